@@ -1,0 +1,55 @@
+#include "memory.h"
+
+#include "check.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+void *hc_alloc(size_t count, size_t size) {
+  HC_CHECK(size == 0 || count <= (SIZE_MAX / 2) / size, "allocation of %zu objects of %zu bytes", count, size);
+  const size_t bytes = (count * size + HC_ALIGNMENT) / HC_ALIGNMENT * HC_ALIGNMENT;
+  void *pointer = aligned_alloc(HC_ALIGNMENT, bytes);
+  HC_CHECK(pointer, "out of memory: %zu bytes wanted", bytes);
+  return pointer;
+}
+
+void *hc_alloc_zero(size_t count, size_t size) {
+  void *pointer = hc_alloc(count, size);
+  memset(pointer, 0, count * size);
+  return pointer;
+}
+
+void hc_free(void *pointer) { free(pointer); }
+
+void hc_reserve(void **pointer, size_t *capacity, size_t count, size_t keep, size_t size) {
+  if (count <= *capacity && *pointer) return;
+  const size_t roomy = count + count / 16 + 16;
+  if (keep == 0) {
+    hc_free(*pointer);
+    *pointer = hc_alloc(roomy, size);
+  } else {
+    void *grown = hc_alloc(roomy, size);
+    memcpy(grown, *pointer, keep * size);
+    hc_free(*pointer);
+    *pointer = grown;
+  }
+  *capacity = roomy;
+}
+
+size_t hc_memory_now(void) {
+  FILE *file = fopen("/proc/self/statm", "r");
+  if (!file) return 0;
+  unsigned long total = 0, resident = 0;
+  const int read = fscanf(file, "%lu %lu", &total, &resident);
+  fclose(file);
+  return read == 2 ? (size_t)resident * (size_t)sysconf(_SC_PAGESIZE) : 0;
+}
+
+size_t hc_memory_peak(void) {
+  struct rusage usage;
+  return getrusage(RUSAGE_SELF, &usage) == 0 ? (size_t)usage.ru_maxrss * 1024 : 0;
+}

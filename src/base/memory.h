@@ -1,0 +1,24 @@
+/* Memory that is always there: an allocation that fails aborts with what was asked for. */
+#ifndef HC_MEMORY_H
+#define HC_MEMORY_H
+
+#include <stddef.h>
+
+enum { HC_ALIGNMENT = 64 };
+
+/* `count` objects of `size` bytes, aligned to a cache line; contents undefined; `count` 0 gives a valid pointer.
+ * Freed with hc_free. */
+void *hc_alloc(size_t count, size_t size);
+void *hc_alloc_zero(size_t count, size_t size);
+void hc_free(void *pointer);
+
+/* Gives `*pointer` room for at least `count` objects of `size` bytes, keeping the first `keep` of them.
+ * `*capacity` counts objects. Grows by a sixteenth beyond what is asked, so that a slowly growing array is seldom
+ * moved and never wastes much. */
+void hc_reserve(void **pointer, size_t *capacity, size_t count, size_t keep, size_t size);
+
+/* Resident memory of this process, in bytes: now, and at its highest. */
+size_t hc_memory_now(void);
+size_t hc_memory_peak(void);
+
+#endif

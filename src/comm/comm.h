@@ -1,0 +1,71 @@
+/* The communicator: the only door to MPI. Every function here is collective over the communicator unless it says
+ * "local"; a rank without particles calls them all the same. */
+#ifndef HC_COMM_H
+#define HC_COMM_H
+
+#include "halocline/error.h"
+
+#include <mpi.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct hc_comm {
+  MPI_Comm mpi; /* a duplicate of our own; handed on to HDF5, to nobody else */
+  int rank, size;
+  int sparse_parity;     /* alternates the tag of successive sparse exchanges */
+  double wait_seconds;   /* time spent in this room since the start, for timings.json */
+  int64_t bytes_sent, messages_sent, reductions;
+} hc_comm;
+
+/* Starts MPI if nobody has, and duplicates the world. hc_comm_finish frees it, and ends MPI if we started it. */
+void hc_comm_start(hc_comm *comm, int *argc, char ***argv);
+void hc_comm_finish(hc_comm *comm);
+
+/* The error of the lowest rank that has one (error->status != HC_OK) becomes everybody's; returns its status.
+ * This is how a rank tells the others that something of its own failed. */
+hc_status hc_comm_agree(hc_comm *comm, hc_error *error);
+
+void hc_comm_barrier(hc_comm *comm);
+void hc_comm_broadcast(hc_comm *comm, void *data, size_t bytes, int root);
+void hc_comm_max_f64(hc_comm *comm, double *values, int count);
+void hc_comm_min_f64(hc_comm *comm, double *values, int count);
+void hc_comm_max_i64(hc_comm *comm, int64_t *values, int count);
+void hc_comm_min_i64(hc_comm *comm, int64_t *values, int count);
+void hc_comm_sum_i64(hc_comm *comm, int64_t *values, int count);
+
+/* Sum over the ranks below this one (0 on rank 0). */
+int64_t hc_comm_prefix_i64(hc_comm *comm, int64_t value);
+
+/* Everybody's blocks in rank order. *all is allocated (hc_free) and holds *total bytes. */
+void hc_comm_gather_all(hc_comm *comm, const void *mine, size_t bytes, void **all, size_t *total);
+
+/* `count` values of every rank on every rank, in rank order; all has size * count elements. */
+void hc_comm_gather_all_f64(hc_comm *comm, const double *mine, int count, double *all);
+
+/* A message of a sparse exchange. `data` of received ones is freed by hc_message_free. */
+typedef struct hc_message {
+  int rank;
+  size_t bytes;
+  void *data;
+} hc_message;
+
+/* Sends each of `out` to its rank and receives whatever was sent here, from ranks that nobody announced (Hoefler,
+ * Siebert, Lumsdaine 2010, "Scalable communication protocols for dynamic sparse data exchange", algorithm NBX).
+ * Messages to oneself are copied. *in is allocated, sorted by rank, one message at most from each. */
+void hc_comm_sparse(hc_comm *comm, const hc_message *out, int out_count, hc_message **in, int *in_count);
+void hc_messages_free(hc_message *messages, int count);
+
+/* A repeated exchange with known partners. Local to begin (never waits), completes at end on both sides.
+ * Segments to or from oneself are copied at begin. Between the two neither side's buffers may be touched. */
+typedef struct hc_exchange {
+  int send_count, receive_count;
+  const hc_message *send;    /* data, bytes, rank */
+  const hc_message *receive; /* data, bytes, rank: the room that is filled */
+  MPI_Request *requests;     /* room for send_count + receive_count, the caller's */
+  int pending;
+} hc_exchange;
+
+void hc_comm_exchange_begin(hc_comm *comm, hc_exchange *exchange, int tag);
+void hc_comm_exchange_end(hc_comm *comm, hc_exchange *exchange);
+
+#endif

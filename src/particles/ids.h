@@ -1,0 +1,21 @@
+/* Particle ids: 64 bits, kind in the top 4, source (block, wall, emitter) in the next 20, counter in the last 40. */
+#ifndef HC_IDS_H
+#define HC_IDS_H
+
+#include <stdint.h>
+
+enum { HC_ID_SOURCE_BITS = 20, HC_ID_COUNTER_BITS = 40 };
+#define HC_ID_MAX_SOURCES ((int64_t)1 << HC_ID_SOURCE_BITS)
+#define HC_ID_MAX_COUNTER ((int64_t)1 << HC_ID_COUNTER_BITS)
+
+typedef enum hc_id_kind { HC_ID_FLUID = 0, HC_ID_BOUNDARY = 1 } hc_id_kind;
+
+static inline uint64_t hc_id_make(hc_id_kind kind, uint64_t source, uint64_t counter) {
+  return (uint64_t)kind << (HC_ID_SOURCE_BITS + HC_ID_COUNTER_BITS) | source << HC_ID_COUNTER_BITS | counter;
+}
+
+static inline hc_id_kind hc_id_kind_of(uint64_t id) {
+  return (hc_id_kind)(id >> (HC_ID_SOURCE_BITS + HC_ID_COUNTER_BITS));
+}
+
+#endif

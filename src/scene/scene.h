@@ -1,0 +1,133 @@
+/* The scene: what a user asks for, as plain data. Filled by the reader (reader.h) from YAML through the parameter
+ * table (params.def); every other room takes what it needs from here by value or const pointer.
+ *
+ * Lengths in metres, times in seconds, SI throughout, in the scene's own frame. */
+#ifndef HC_SCENE_H
+#define HC_SCENE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { HC_NAME_LENGTH = 128, HC_MAX_SNAPSHOT_FIELDS = 16 };
+
+typedef struct hc_box {
+  double min[3], max[3];
+} hc_box;
+
+typedef enum hc_flow_type { HC_FLOW_NONE, HC_FLOW_TAYLOR_GREEN } hc_flow_type;
+
+/* An initial velocity field, added to a block's constant velocity.
+ * taylor_green: u = -U cos(2 pi x/L) sin(2 pi y/L), v = U sin(2 pi x/L) cos(2 pi y/L), w = 0. */
+typedef struct hc_flow {
+  hc_flow_type type;
+  double speed;  /* U, m/s */
+  double length; /* L, m */
+} hc_flow;
+
+typedef struct hc_block {
+  hc_box box;
+  double velocity[3];
+  hc_flow flow;
+} hc_block;
+
+typedef enum hc_wall_type { HC_WALL_BOX, HC_WALL_PLANE } hc_wall_type;
+typedef enum hc_inside { HC_INSIDE_FLUID, HC_INSIDE_SOLID } hc_inside;
+
+/* Bits of hc_wall.open: the faces of a box that are not there. */
+enum { HC_FACE_MINUS_X = 1, HC_FACE_PLUS_X = 2, HC_FACE_MINUS_Y = 4, HC_FACE_PLUS_Y = 8, HC_FACE_MINUS_Z = 16, HC_FACE_PLUS_Z = 32 };
+
+/* A wall's surface is the wetted surface: boundary samples lie half a spacing outside the fluid's side of it. */
+typedef struct hc_wall {
+  hc_wall_type type;
+  char name[HC_NAME_LENGTH];
+  hc_box box;       /* box: the container's inner or the solid's outer surface */
+  hc_inside inside; /* box: what is within */
+  unsigned open;    /* box: HC_FACE_* bits */
+  double point[3];  /* plane: the rectangle's centre */
+  double normal[3]; /* plane: into the fluid; unit length after reading */
+  double size[2];   /* plane: edge lengths along its two tangents */
+} hc_wall;
+
+typedef enum hc_viscosity_model {
+  HC_VISCOSITY_NONE,
+  HC_VISCOSITY_XSPH,       /* coefficient: dimensionless */
+  HC_VISCOSITY_ARTIFICIAL, /* coefficient: alpha of Monaghan 1992; sound_speed */
+  HC_VISCOSITY_LAMINAR,    /* coefficient: kinematic viscosity, m2/s */
+} hc_viscosity_model;
+
+typedef enum hc_boundary_method { HC_BOUNDARY_AKINCI2012 } hc_boundary_method;
+typedef enum hc_solver_method { HC_SOLVER_DFSPH } hc_solver_method;
+typedef enum hc_time_control { HC_TIME_CONSTANT, HC_TIME_CFL } hc_time_control;
+typedef enum hc_decomposition { HC_DECOMPOSITION_SLABS } hc_decomposition;
+typedef enum hc_rebalance { HC_REBALANCE_NONE, HC_REBALANCE_SLABS } hc_rebalance;
+
+typedef struct hc_iterations {
+  int min, max;
+} hc_iterations;
+
+typedef struct hc_scene {
+  char name[HC_NAME_LENGTH];
+  double particle_spacing;
+  double support_radius; /* 2 particle spacings by default */
+  double gravity[3];
+  double end_time;
+  int64_t origin_cells[3]; /* the scene's origin lies at this corner of the cell grid */
+
+  struct {
+    bool periodic[3];
+    double min[3], max[3]; /* along periodic axes: the period; elsewhere unused */
+  } domain;
+
+  struct {
+    double rest_density;
+    struct {
+      hc_viscosity_model model;
+      double coefficient;
+      double sound_speed; /* artificial: m/s; 0 = 10 sqrt(2 |g| H) with H the fluid's height at the start */
+    } viscosity;
+    double mass_factor; /* particle mass over the lattice's; below 1 under-fills a closed periodic domain */
+    hc_block *blocks;
+    int block_count;
+  } fluid;
+
+  struct {
+    hc_boundary_method method;
+    double volume_factor; /* 0 = computed */
+    hc_wall *walls;
+    int wall_count;
+  } boundary;
+
+  struct {
+    hc_solver_method method;
+    double density_error_avg; /* fraction of the rest density */
+    double divergence_error;  /* fraction of the rest density per step */
+    hc_iterations density_iterations, divergence_iterations;
+    double warm_start;            /* share of the last step's pressure taken over, 0 to 1 */
+    int min_divergence_neighbors; /* fewer: the divergence solver leaves the particle alone */
+    bool negative_pressure;       /* correct expansion too (closed periodic flows) */
+  } solver;
+
+  struct {
+    hc_time_control control;
+    double size;   /* constant */
+    double factor; /* cfl: step <= factor * particle_spacing / v_max */
+    double max;    /* cfl */
+  } time_step;
+
+  struct {
+    double snapshots_every; /* s */
+    char snapshot_fields[HC_MAX_SNAPSHOT_FIELDS][32];
+    int snapshot_field_count;
+  } output;
+
+  struct {
+    hc_decomposition decomposition;
+    hc_rebalance rebalance;
+    double rebalance_above; /* imbalance (largest over mean load) that starts a rebalance */
+    int rebalance_at;       /* hidden: forces a rebalance at this step; 0 = never */
+  } parallel;
+} hc_scene;
+
+void hc_scene_free(hc_scene *scene);
+
+#endif
