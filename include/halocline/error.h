@@ -1,7 +1,7 @@
 /* Status codes and error messages.
  *
- * A function that can fail for reasons outside the program (a bad scene, a full disk) returns a status and puts
- * one message into an hc_error. Broken invariants never come back: they abort (see src/base/check.h). */
+ * A function that can fail for reasons outside the program (a bad scene, a full disk) returns a status and
+ * puts one message into an hc_error. Broken invariants never come back: they abort (see src/base/check.h). */
 #ifndef HALOCLINE_ERROR_H
 #define HALOCLINE_ERROR_H
 

@@ -6,7 +6,9 @@
 
 static int process_rank = 0;
 
-void hc_check_set_rank(int rank) { process_rank = rank; }
+void hc_check_set_rank(int rank) {
+  process_rank = rank;
+}
 
 void hc_check_failed(const char *file, int line, const char *format, ...) {
   char text[1024];

@@ -8,7 +8,8 @@ void hc_check_set_rank(int rank);
 _Noreturn void hc_check_failed(const char *file, int line, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Aborts with a formatted message unless `condition` holds. The message states the constraint and the values. */
+/* Aborts with a formatted message unless `condition` holds. The message states the constraint and the values.
+ */
 #define HC_CHECK(condition, ...)                                                                             \
   do {                                                                                                       \
     if (__builtin_expect(!(condition), 0)) hc_check_failed(__FILE__, __LINE__, __VA_ARGS__);                 \

@@ -6,15 +6,15 @@
 
 enum { HC_ALIGNMENT = 64 };
 
-/* `count` objects of `size` bytes, aligned to a cache line; contents undefined; `count` 0 gives a valid pointer.
- * Freed with hc_free. */
+/* `count` objects of `size` bytes, aligned to a cache line; contents undefined; `count` 0 gives a valid
+ * pointer. Freed with hc_free. */
 void *hc_alloc(size_t count, size_t size);
 void *hc_alloc_zero(size_t count, size_t size);
 void hc_free(void *pointer);
 
 /* Gives `*pointer` room for at least `count` objects of `size` bytes, keeping the first `keep` of them.
- * `*capacity` counts objects. Grows by a sixteenth beyond what is asked, so that a slowly growing array is seldom
- * moved and never wastes much. */
+ * `*capacity` counts objects. Grows by a sixteenth beyond what is asked, so that a slowly growing array is
+ * seldom moved and never wastes much. */
 void hc_reserve(void **pointer, size_t *capacity, size_t count, size_t keep, size_t size);
 
 /* Resident memory of this process, in bytes: now, and at its highest. */

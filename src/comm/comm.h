@@ -1,25 +1,32 @@
-/* The communicator: the only door to MPI. Every function here is collective over the communicator unless it says
- * "local"; a rank without particles calls them all the same. */
+/* The communicator: the only door to MPI. Every function here is collective over the communicator unless it
+ * says "local"; a rank without particles calls them all the same. */
 #ifndef HC_COMM_H
 #define HC_COMM_H
 
+#include "base/exact_sum.h"
 #include "halocline/error.h"
 
 #include <mpi.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 typedef struct hc_comm {
   MPI_Comm mpi; /* a duplicate of our own; handed on to HDF5, to nobody else */
   int rank, size;
-  int sparse_parity;     /* alternates the tag of successive sparse exchanges */
-  double wait_seconds;   /* time spent in this room since the start, for timings.json */
+  bool owns_mpi;
+  int sparse_parity;   /* alternates the tag of successive sparse exchanges */
+  double wait_seconds; /* time spent in this room since the start, for timings.json */
   int64_t bytes_sent, messages_sent, reductions;
 } hc_comm;
 
-/* Starts MPI if nobody has, and duplicates the world. hc_comm_finish frees it, and ends MPI if we started it. */
+/* Starts MPI if nobody has, and duplicates the world. hc_comm_finish frees it, and ends MPI if we started it.
+ */
 void hc_comm_start(hc_comm *comm, int *argc, char ***argv);
 void hc_comm_finish(hc_comm *comm);
+
+/* The rank that a launcher (mpirun, srun) says this process will have, 0 without one. Local; needs no MPI. */
+int hc_comm_launched_rank(void);
 
 /* The error of the lowest rank that has one (error->status != HC_OK) becomes everybody's; returns its status.
  * This is how a rank tells the others that something of its own failed. */
@@ -32,6 +39,10 @@ void hc_comm_min_f64(hc_comm *comm, double *values, int count);
 void hc_comm_max_i64(hc_comm *comm, int64_t *values, int count);
 void hc_comm_min_i64(hc_comm *comm, int64_t *values, int count);
 void hc_comm_sum_i64(hc_comm *comm, int64_t *values, int count);
+
+/* Adds exact sums of all ranks; carries the caller left open are taken care of. At most 8 sums. */
+enum { HC_COMM_MAX_SUMS = 8 };
+void hc_comm_sum_exact(hc_comm *comm, hc_sum *sums, int count);
 
 /* Sum over the ranks below this one (0 on rank 0). */
 int64_t hc_comm_prefix_i64(hc_comm *comm, int64_t value);
@@ -49,9 +60,10 @@ typedef struct hc_message {
   void *data;
 } hc_message;
 
-/* Sends each of `out` to its rank and receives whatever was sent here, from ranks that nobody announced (Hoefler,
- * Siebert, Lumsdaine 2010, "Scalable communication protocols for dynamic sparse data exchange", algorithm NBX).
- * Messages to oneself are copied. *in is allocated, sorted by rank, one message at most from each. */
+/* Sends each of `out` to its rank and receives whatever was sent here, from ranks that nobody announced
+ * (Hoefler, Siebert, Lumsdaine 2010, "Scalable communication protocols for dynamic sparse data exchange",
+ * algorithm NBX). Messages to oneself are copied. *in is allocated, sorted by rank, one message at most from
+ * each. */
 void hc_comm_sparse(hc_comm *comm, const hc_message *out, int out_count, hc_message **in, int *in_count);
 void hc_messages_free(hc_message *messages, int count);
 

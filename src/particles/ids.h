@@ -1,4 +1,5 @@
-/* Particle ids: 64 bits, kind in the top 4, source (block, wall, emitter) in the next 20, counter in the last 40. */
+/* Particle ids: 64 bits, kind in the top 4, source (block, wall, emitter) in the next 20, counter in the
+ * last 40. */
 #ifndef HC_IDS_H
 #define HC_IDS_H
 

@@ -20,10 +20,10 @@ static bool is_state(const hc_particles *particles, int field) {
   return has(particles, field) && (hc_fields[field].flags & HC_STATE);
 }
 
-/* Elements an array must hold: own particles, or ghosts and the one spare element too. */
+/* Elements an array must hold: own particles, or ghosts and the spare elements too. */
 static size_t extent(const hc_particles *particles, int field) {
   const size_t own = (size_t)particles->own;
-  return (hc_fields[field].flags & HC_GHOST) ? own + (size_t)particles->ghosts + 1 : own;
+  return (hc_fields[field].flags & HC_GHOST) ? own + (size_t)particles->ghosts + HC_SPARE : own;
 }
 
 void hc_particles_init(hc_particles *particles, unsigned kind) {
@@ -69,7 +69,8 @@ void hc_particles_set_ghosts(hc_particles *particles, int32_t ghosts) {
   for (int field = 0; field < HC_FIELD_COUNT; field++) {
     if (!has(particles, field) || !(hc_fields[field].flags & HC_GHOST)) continue;
     const size_t bytes = hc_fields[field].bytes;
-    memset((char *)particles->data[field] + (extent(particles, field) - 1) * bytes, 0, bytes);
+    memset((char *)particles->data[field] + (extent(particles, field) - HC_SPARE) * bytes, 0,
+           HC_SPARE * bytes);
   }
 }
 
@@ -91,17 +92,24 @@ void hc_particles_permute(hc_particles *particles, const int32_t *order, int32_t
       for (int32_t k = 0; k < count; k++) memcpy(to + 24 * (size_t)k, from + 24 * (size_t)order[k], 24);
       break;
     default:
-      for (int32_t k = 0; k < count; k++) memcpy(to + bytes * (size_t)k, from + bytes * (size_t)order[k], bytes);
+      for (int32_t k = 0; k < count; k++)
+        memcpy(to + bytes * (size_t)k, from + bytes * (size_t)order[k], bytes);
     }
     memcpy(particles->data[field], to, (size_t)count * bytes);
   }
   particles->own = count;
 }
 
+void *hc_particles_scratch(hc_particles *particles, size_t bytes) {
+  hc_reserve(&particles->scratch, &particles->scratch_capacity, (size_t)particles->own * bytes, 0, 1);
+  return particles->scratch;
+}
+
 size_t hc_particles_state_bytes(unsigned kind) {
   size_t bytes = 0;
   for (int field = 0; field < HC_FIELD_COUNT; field++)
-    if ((hc_fields[field].flags & kind) && (hc_fields[field].flags & HC_STATE)) bytes += hc_fields[field].bytes;
+    if ((hc_fields[field].flags & kind) && (hc_fields[field].flags & HC_STATE))
+      bytes += hc_fields[field].bytes;
   return bytes;
 }
 

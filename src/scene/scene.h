@@ -1,5 +1,5 @@
-/* The scene: what a user asks for, as plain data. Filled by the reader (reader.h) from YAML through the parameter
- * table (params.def); every other room takes what it needs from here by value or const pointer.
+/* The scene: what a user asks for, as plain data. Filled by the reader (reader.h) from YAML through the
+ * parameter table (params.def); every other room takes what it needs from here by value or const pointer.
  *
  * Lengths in metres, times in seconds, SI throughout, in the scene's own frame. */
 #ifndef HC_SCENE_H
@@ -34,9 +34,17 @@ typedef enum hc_wall_type { HC_WALL_BOX, HC_WALL_PLANE } hc_wall_type;
 typedef enum hc_inside { HC_INSIDE_FLUID, HC_INSIDE_SOLID } hc_inside;
 
 /* Bits of hc_wall.open: the faces of a box that are not there. */
-enum { HC_FACE_MINUS_X = 1, HC_FACE_PLUS_X = 2, HC_FACE_MINUS_Y = 4, HC_FACE_PLUS_Y = 8, HC_FACE_MINUS_Z = 16, HC_FACE_PLUS_Z = 32 };
+enum {
+  HC_FACE_MINUS_X = 1,
+  HC_FACE_PLUS_X = 2,
+  HC_FACE_MINUS_Y = 4,
+  HC_FACE_PLUS_Y = 8,
+  HC_FACE_MINUS_Z = 16,
+  HC_FACE_PLUS_Z = 32
+};
 
-/* A wall's surface is the wetted surface: boundary samples lie half a spacing outside the fluid's side of it. */
+/* A wall's surface is the wetted surface: boundary samples lie half a spacing outside the fluid's side of it.
+ */
 typedef struct hc_wall {
   hc_wall_type type;
   char name[HC_NAME_LENGTH];

@@ -1,8 +1,9 @@
 /* The frame: how metres map to the unbounded cell grid.
  *
- * A position is three int64_t in units of 2^-28 cell edges; a cell edge is the support radius or, along a periodic
- * axis, stretched (at most 10 %) so that the period is a whole number of cells. Scene coordinates are metres from the
- * corner of cell `origin_cells`; along periodic axes positions lie in [low, low + period). */
+ * A position is three int64_t in units of 2^-28 cell edges; a cell edge is the support radius or, along a
+ * periodic axis, stretched (at most 10 %) so that the period is a whole number of cells. Scene coordinates
+ * are metres from the corner of cell `origin_cells`; along periodic axes positions lie in [low, low +
+ * period). */
 #ifndef HC_FRAME_H
 #define HC_FRAME_H
 
@@ -13,12 +14,12 @@ enum { HC_CELL_BITS = 28 };
 #define HC_CELL_UNITS ((int64_t)1 << HC_CELL_BITS)
 
 typedef struct hc_frame {
-  double unit[3];          /* metres per unit along each axis */
-  double support_radius;   /* m */
-  int64_t spacing[3];      /* the particle spacing in units, even */
-  int64_t origin[3];       /* the scene's origin, in units: a cell corner */
-  int64_t period[3];       /* periodic length in units, a whole number of cells; 0 = open */
-  int64_t low[3];          /* periodic axes: lower end of the domain, in units: a cell corner */
+  double unit[3];        /* metres per unit along each axis */
+  double support_radius; /* m; never above a cell edge */
+  int64_t spacing[3];    /* the particle spacing in units, even */
+  int64_t origin[3];     /* the scene's origin, in units: a cell corner along open axes */
+  int64_t period[3];     /* periodic length in units, a whole number of cells; 0 = open */
+  int64_t low[3];        /* periodic axes: lower end of the domain, in units: a cell corner */
 } hc_frame;
 
 /* Nearest unit of a scene coordinate. */
@@ -31,7 +32,9 @@ static inline double hc_frame_to_metres(const hc_frame *frame, int axis, int64_t
 }
 
 /* The cell that holds a coordinate (rounds down, also below zero). */
-static inline int64_t hc_frame_cell(int64_t units) { return units >> HC_CELL_BITS; }
+static inline int64_t hc_frame_cell(int64_t units) {
+  return units >> HC_CELL_BITS;
+}
 
 /* Brings a coordinate into [low, low + period) along a periodic axis. */
 static inline int64_t hc_frame_wrap(const hc_frame *frame, int axis, int64_t units) {

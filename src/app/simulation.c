@@ -1,0 +1,219 @@
+#include "simulation.h"
+
+#include "setup/populate.h"
+#include "setup/rest_lattice.h"
+#include "setup/world_frame.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { REBALANCE_INTERVAL = 20, LONGEST_REBALANCE_INTERVAL = 640 };
+
+static hc_isa agree_on_isa(hc_comm *comm) {
+  int64_t isa = hc_isa_best();
+  hc_comm_min_i64(comm, &isa, 1);
+  return (hc_isa)isa;
+}
+
+static const hc_boundary_ops *boundary_of(hc_boundary_method method) {
+  switch (method) {
+  case HC_BOUNDARY_AKINCI2012:
+    return &hc_boundary_akinci2012;
+  }
+  return NULL;
+}
+
+static const hc_solver_ops *solver_of(hc_solver_method method) {
+  switch (method) {
+  case HC_SOLVER_DFSPH:
+    return &hc_solver_dfsph;
+  }
+  return NULL;
+}
+
+static hc_viscous_force viscosity_of(hc_viscosity_model model) {
+  switch (model) {
+  case HC_VISCOSITY_NONE:
+    return HC_VISCOUS_NONE;
+  case HC_VISCOSITY_XSPH:
+    return HC_VISCOUS_XSPH;
+  case HC_VISCOSITY_ARTIFICIAL:
+    return HC_VISCOUS_ARTIFICIAL;
+  case HC_VISCOSITY_LAMINAR:
+    return HC_VISCOUS_LAMINAR;
+  }
+  return HC_VISCOUS_NONE;
+}
+
+/* Sound speed of the artificial viscosity if the scene names none: ten times the speed of a fall over the
+ * fluid's height, which keeps a weakly compressible fluid within 1 %. */
+static double default_sound_speed(const hc_scene *scene) {
+  double gravity = 0.0, height = 0.0;
+  for (int axis = 0; axis < 3; axis++) gravity += scene->gravity[axis] * scene->gravity[axis];
+  for (int block = 0; block < scene->fluid.block_count; block++) {
+    const hc_box *box = &scene->fluid.blocks[block].box;
+    double extent = 0.0;
+    for (int axis = 0; axis < 3; axis++)
+      extent += (box->max[axis] - box->min[axis]) *
+                (gravity > 0.0 ? fabs(scene->gravity[axis]) / sqrt(gravity) : 1.0);
+    height = fmax(height, extent);
+  }
+  return 10.0 * sqrt(2.0 * (gravity > 0.0 ? sqrt(gravity) : 1.0) * height);
+}
+
+static double sound_speed(const hc_scene *scene) {
+  if (scene->fluid.viscosity.model != HC_VISCOSITY_ARTIFICIAL) return 0.0;
+  return scene->fluid.viscosity.sound_speed > 0.0 ? scene->fluid.viscosity.sound_speed
+                                                  : default_sound_speed(scene);
+}
+
+hc_step_settings hc_step_settings_of(const hc_scene *scene) {
+  const bool laminar = scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR;
+  const double coefficient = scene->fluid.viscosity.coefficient;
+  return (hc_step_settings){
+      .control = scene->time_step.control == HC_TIME_CONSTANT ? HC_STEP_CONSTANT : HC_STEP_CFL,
+      .size = scene->time_step.size,
+      .max = scene->time_step.max,
+      .factor = scene->time_step.factor,
+      .spacing = scene->particle_spacing,
+      .support_radius = scene->support_radius,
+      /* artificial: the kinematic viscosity it amounts to in three dimensions, alpha h c / 10 (Monaghan 2005)
+       */
+      .viscosity = laminar ? coefficient : 0.1 * coefficient * scene->support_radius * sound_speed(scene),
+      .end_time = scene->end_time};
+}
+
+static void choose_settings(hc_simulation *simulation) {
+  const hc_scene *scene = simulation->scene;
+  hc_solver_settings *solver = &simulation->solver_settings;
+  *solver = (hc_solver_settings){.rest_density = scene->fluid.rest_density,
+                                 .viscosity = viscosity_of(scene->fluid.viscosity.model),
+                                 .viscosity_coefficient = scene->fluid.viscosity.coefficient,
+                                 .sound_speed = sound_speed(scene),
+                                 .density_error_avg = scene->solver.density_error_avg,
+                                 .divergence_error = scene->solver.divergence_error,
+                                 .density_min = scene->solver.density_iterations.min,
+                                 .density_max = scene->solver.density_iterations.max,
+                                 .divergence_min = scene->solver.divergence_iterations.min,
+                                 .divergence_max = scene->solver.divergence_iterations.max,
+                                 .warm_start = scene->solver.warm_start,
+                                 .min_divergence_neighbors = scene->solver.min_divergence_neighbors,
+                                 .negative_pressure = scene->solver.negative_pressure};
+  memcpy(solver->gravity, scene->gravity, sizeof solver->gravity);
+  simulation->solver = solver_of(scene->solver.method);
+
+  simulation->step_settings = hc_step_settings_of(scene);
+}
+
+static hc_status fill_world(hc_simulation *simulation, const hc_frame *frame, hc_error *error) {
+  hc_setup_plan plan;
+  if (hc_setup_plan_make(simulation->scene, frame, &plan, error) != HC_OK) return error->status;
+  hc_world *world = &simulation->world;
+  hc_setup_generate(&plan, simulation->comm->rank, simulation->comm->size, &world->fluid, &world->boundary,
+                    error);
+  hc_setup_plan_free(&plan);
+  return error->status;
+}
+
+/* What the choice of the first step needs to know of the initial state. */
+static void report_start(hc_simulation *simulation) {
+  const hc_particles *fluid = &simulation->world.fluid;
+  double largest = 0.0, force = 0.0;
+  for (int32_t k = 0; k < fluid->own; k++) {
+    const double *v = &fluid->velocity[3 * (size_t)k];
+    largest = fmax(largest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  }
+  hc_comm_max_f64(simulation->comm, &largest, 1);
+  for (int axis = 0; axis < 3; axis++)
+    force += simulation->scene->gravity[axis] * simulation->scene->gravity[axis];
+  simulation->report = (hc_step_report){.v_max = sqrt(largest), .force_max = sqrt(force)};
+}
+
+/* Gives the fields that steps derive a meaning in the first snapshot too. */
+static void fill_derived(hc_world *world) {
+  hc_particles *fluid = &world->fluid;
+  world->sweeps->density(&world->sweep, 0, fluid->own);
+  memset(fluid->pressure, 0, (size_t)fluid->own * sizeof *fluid->pressure);
+  memset(fluid->acceleration, 0, 3 * (size_t)fluid->own * sizeof *fluid->acceleration);
+}
+
+hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_scene *scene,
+                             hc_error *error) {
+  memset(simulation, 0, sizeof *simulation);
+  simulation->scene = scene;
+  simulation->comm = comm;
+  simulation->isa = agree_on_isa(comm);
+  simulation->rebalance_interval = REBALANCE_INTERVAL;
+  choose_settings(simulation);
+
+  hc_frame frame;
+  if (hc_setup_frame(scene, &frame, error) != HC_OK) return error->status;
+  const double ratio = scene->particle_spacing / scene->support_radius, h = frame.support_radius;
+  const hc_world_settings settings = {.frame = frame,
+                                      .rest_density = scene->fluid.rest_density,
+                                      .mass = scene->fluid.rest_density * scene->fluid.mass_factor * h * h *
+                                              h / hc_setup_rest_lattice_sum(ratio),
+                                      .volume_factor = scene->boundary.volume_factor > 0.0
+                                                           ? scene->boundary.volume_factor
+                                                           : hc_setup_wall_factor(ratio),
+                                      .boundary_ops = boundary_of(scene->boundary.method),
+                                      .isa = simulation->isa};
+  hc_world_init(&simulation->world, comm, &settings);
+  fill_world(simulation, &frame, error);
+  if (hc_comm_agree(comm, error) != HC_OK) {
+    hc_world_free(&simulation->world);
+    return error->status;
+  }
+  hc_world_settle(&simulation->world);
+  hc_world_update(&simulation->world);
+  fill_derived(&simulation->world);
+  simulation->imbalance = hc_domain_imbalance(&simulation->world.domain, &simulation->world.fluid);
+  report_start(simulation);
+  return HC_OK;
+}
+
+void hc_simulation_free(hc_simulation *simulation) {
+  hc_world_free(&simulation->world);
+}
+
+bool hc_simulation_done(const hc_simulation *simulation) {
+  return simulation->time >= simulation->scene->end_time;
+}
+
+/* Looks at the balance now and then; cuts anew if it is off, less often where that does not help (few
+ * bricks). */
+static void balance(hc_simulation *simulation) {
+  const hc_scene *scene = simulation->scene;
+  simulation->rebalanced = false;
+  const bool forced = scene->parallel.rebalance_at > 0 && simulation->step == scene->parallel.rebalance_at;
+  const bool due = scene->parallel.rebalance != HC_REBALANCE_NONE && simulation->step > 0 &&
+                   simulation->step % simulation->rebalance_interval == 0;
+  if (!forced && !due) return;
+  hc_world *world = &simulation->world;
+  hc_stopwatch_enter(&world->watch, HC_STAGE_BALANCE);
+  simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
+  if (!forced && simulation->imbalance <= scene->parallel.rebalance_above) return;
+  const double reached = hc_world_rebalance(world);
+  simulation->rebalanced = true;
+  if (reached < 0.98 * simulation->imbalance)
+    simulation->rebalance_interval = REBALANCE_INTERVAL;
+  else if (simulation->rebalance_interval < LONGEST_REBALANCE_INTERVAL)
+    simulation->rebalance_interval *= 2;
+}
+
+hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
+  hc_world *world = &simulation->world;
+  if (simulation->step > 0) {
+    balance(simulation);
+    hc_world_update(world);
+  }
+  const double dt = hc_time_step_next(&simulation->step_settings, simulation->time, simulation->dt,
+                                      &simulation->report, &simulation->bound);
+  if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
+                               error) != HC_OK)
+    return error->status;
+  simulation->dt = dt;
+  simulation->step++;
+  simulation->time = simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
+  return HC_OK;
+}

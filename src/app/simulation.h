@@ -1,0 +1,42 @@
+/* A run without its files: the scene turned into a world, and the step that reads top to bottom. */
+#ifndef HC_SIMULATION_H
+#define HC_SIMULATION_H
+
+#include "scene/scene.h"
+#include "solver/solver.h"
+#include "stepping/time_step.h"
+
+typedef struct hc_simulation {
+  const hc_scene *scene; /* the caller's; outlives the simulation */
+  hc_comm *comm;
+  hc_isa isa;
+  hc_world world;
+  const hc_solver_ops *solver;
+  hc_solver_settings solver_settings;
+  hc_step_settings step_settings;
+  int64_t step; /* steps done */
+  double time;  /* s */
+  double dt;    /* the last step's, s; 0 before the first */
+  hc_step_bound bound;
+  hc_step_report report;
+  double imbalance;           /* largest over mean number of own fluid particles, when last measured */
+  int64_t rebalance_interval; /* steps between two looks at the balance */
+  bool rebalanced;            /* in the last step */
+} hc_simulation;
+
+/* Makes the particles of a scene, spreads them over the ranks and finds their first neighbourhoods.
+ * Collective; errors (HC_BAD_INPUT) are agreed. On failure nothing needs freeing. */
+hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_scene *scene,
+                             hc_error *error);
+void hc_simulation_free(hc_simulation *simulation);
+
+/* Has the run reached its end time? */
+bool hc_simulation_done(const hc_simulation *simulation);
+
+/* One step. Collective. HC_FAILED (agreed) if the simulation diverged. */
+hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error);
+
+/* What bounds the steps of a scene. Local. */
+hc_step_settings hc_step_settings_of(const hc_scene *scene);
+
+#endif

@@ -1,0 +1,20 @@
+/* The boundary methods behind one table of operations, chosen by name. */
+#ifndef HC_BOUNDARY_METHODS_H
+#define HC_BOUNDARY_METHODS_H
+
+#include "sph/sweeps.h"
+
+typedef struct hc_boundary_ops {
+  const char *name;
+  /* Prepares own boundary particles once they are placed: what the sweeps read of them. `list` holds their
+   * boundary neighbours, ghosts included; `factor` scales the volumes. Local; the caller refreshes the
+   * ghosts. */
+  void (*prepare)(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
+                  const hc_neighbors *list, double factor);
+} hc_boundary_ops;
+
+/* Single layer, volumes V_b = factor / sum W over boundary particles, pressure mirrored from the fluid
+ * particle (Akinci et al. 2012; Carensac et al. 2023, A.2). */
+extern const hc_boundary_ops hc_boundary_akinci2012;
+
+#endif

@@ -1,0 +1,337 @@
+#include "halo.h"
+
+#include "base/check.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void hc_halo_init(hc_halo *halo, hc_domain *domain, hc_particles *particles) {
+  memset(halo, 0, sizeof *halo);
+  halo->domain = domain;
+  halo->particles = particles;
+}
+
+void hc_halo_free(hc_halo *halo) {
+  HC_CHECK(!halo->pending, "a refresh must end before the halo is freed");
+  hc_free(halo->cells);
+  hc_free(halo->send);
+  hc_free(halo->receive);
+  hc_free(halo->send_begin);
+  hc_free(halo->ghost_begin);
+  hc_free(halo->send_buffer);
+  hc_free(halo->receive_buffer);
+  hc_free(halo->requests);
+  memset(halo, 0, sizeof *halo);
+}
+
+/* ---- which cells go where ---- */
+
+/* One brick while its cells are being marked. */
+typedef struct marking {
+  const hc_domain *domain;
+  hc_brick brick;
+  int owner[HC_ADJACENT]; /* of the bricks around, as they are without periods */
+  bool near_period;       /* a cell of the brick may have a neighbour beyond a periodic border */
+} marking;
+
+static void look_around(marking *marking) {
+  const hc_frame *frame = marking->domain->frame;
+  marking->near_period = false;
+  for (int axis = 0; axis < 3; axis++) {
+    if (frame->period[axis] == 0) continue;
+    const int64_t first = hc_frame_cell(frame->low[axis]), count = hc_frame_cell(frame->period[axis]);
+    const int64_t begin = (int64_t)marking->brick.x[axis] * HC_BRICK_EDGE;
+    if (begin - 1 < first || begin + HC_BRICK_EDGE >= first + count) marking->near_period = true;
+  }
+  for (int way = 0; way < HC_ADJACENT; way++) {
+    hc_brick brick = marking->brick;
+    brick.x[0] += way % 3 - 1;
+    brick.x[1] += way / 3 % 3 - 1;
+    brick.x[2] += way / 9 - 1;
+    marking->owner[way] = hc_domain_owner(marking->domain, brick);
+  }
+}
+
+static bool is_deep(const marking *marking) {
+  if (marking->near_period) return false;
+  for (int way = 0; way < HC_ADJACENT; way++)
+    if (marking->owner[way] != marking->domain->comm->rank) return false;
+  return true;
+}
+
+/* Who owns the cell at `cell` (relative to the brick), and by how many periods ours must be shifted to lie
+ * beside it as that owner sees it. */
+static int owner_of_cell(const marking *marking, const int cell[3], int8_t shift[3]) {
+  const hc_frame *frame = marking->domain->frame;
+  int64_t global[3];
+  bool wrapped = false;
+  for (int axis = 0; axis < 3; axis++) {
+    global[axis] = (int64_t)marking->brick.x[axis] * HC_BRICK_EDGE + cell[axis];
+    shift[axis] = 0;
+    if (frame->period[axis] == 0) continue;
+    const int64_t first = hc_frame_cell(frame->low[axis]), count = hc_frame_cell(frame->period[axis]);
+    if (global[axis] < first) shift[axis] = 1;
+    if (global[axis] >= first + count) shift[axis] = -1;
+    global[axis] += shift[axis] * count;
+    wrapped |= shift[axis] != 0;
+  }
+  if (!wrapped) {
+    int way = 0;
+    for (int axis = 2; axis >= 0; axis--)
+      way = 3 * way + (cell[axis] < 0 ? 0 : cell[axis] < HC_BRICK_EDGE ? 1 : 2);
+    return marking->owner[way];
+  }
+  hc_brick brick;
+  for (int axis = 0; axis < 3; axis++) brick.x[axis] = (int32_t)(global[axis] >> HC_BRICK_BITS);
+  return hc_domain_owner(marking->domain, brick);
+}
+
+static bool listed(const hc_halo_cell *cells, int count, const hc_halo_cell *wanted) {
+  for (int k = 0; k < count; k++)
+    if (cells[k].rank == wanted->rank && memcmp(cells[k].shift, wanted->shift, sizeof wanted->shift) == 0)
+      return true;
+  return false;
+}
+
+/* The partners of one cell, each once. */
+static int partners_of(const marking *marking, int32_t slot, hc_halo_cell found[HC_ADJACENT]) {
+  const int cell = slot % HC_BRICK_CELLS;
+  const int part[3] = {cell & 3, cell >> HC_BRICK_BITS & 3, cell >> (2 * HC_BRICK_BITS)};
+  int count = 0;
+  for (int way = 0; way < HC_ADJACENT; way++) {
+    if (way == HC_ADJACENT_SELF) continue;
+    const int next[3] = {part[0] + way % 3 - 1, part[1] + way / 3 % 3 - 1, part[2] + way / 9 - 1};
+    hc_halo_cell partner = {.slot = slot};
+    partner.rank = owner_of_cell(marking, next, partner.shift);
+    const bool shifted = partner.shift[0] || partner.shift[1] || partner.shift[2];
+    if ((partner.rank != marking->domain->comm->rank || shifted) && !listed(found, count, &partner))
+      found[count++] = partner;
+  }
+  return count;
+}
+
+void hc_halo_mark(hc_halo *halo, hc_cells *cells) {
+  const hc_frame *frame = halo->domain->frame;
+  halo->cell_count = 0;
+  if (halo->domain->comm->size == 1 && !frame->period[0] && !frame->period[1] && !frame->period[2]) return;
+  for (int32_t k = 0; k < cells->brick_count; k++) {
+    marking marking = {.domain = halo->domain, .brick = cells->bricks[k]};
+    look_around(&marking);
+    if (is_deep(&marking)) continue;
+    for (int cell = 0; cell < HC_BRICK_CELLS; cell++) {
+      if (cells->count[k][cell] == 0) continue;
+      hc_halo_cell found[HC_ADJACENT];
+      const int count = partners_of(&marking, k * HC_BRICK_CELLS + cell, found);
+      if (count == 0) continue;
+      cells->border[k] |= 1ULL << cell;
+      const size_t old = (size_t)halo->cell_count;
+      hc_reserve((void **)&halo->cells, &halo->cell_capacity, old + (size_t)count, old, sizeof *halo->cells);
+      memcpy(halo->cells + old, found, (size_t)count * sizeof *found);
+      halo->cell_count += count;
+    }
+  }
+}
+
+/* ---- sending the cells, entering the ghosts ---- */
+
+/* A cell's header in the message that creates ghosts; its particles' places (12 bytes each) follow. */
+typedef struct cell_header {
+  hc_brick brick;
+  int32_t cell, count;
+} cell_header;
+
+enum { PLACE_BYTES = 12 };
+
+/* Sort key: rank, then the cell's place in memory, then the shift: the order in which a receiver stores
+ * ghosts. */
+static int compare_halo_cells(const void *a, const void *b) {
+  const hc_halo_cell *p = a, *q = b;
+  if (p->rank != q->rank) return p->rank < q->rank ? -1 : 1;
+  if (p->slot != q->slot) return p->slot < q->slot ? -1 : 1;
+  return memcmp(p->shift, q->shift, sizeof p->shift);
+}
+
+static char *write_cell(const hc_halo *halo, const hc_cells *cells, const hc_halo_cell *cell, char *to) {
+  const hc_frame *frame = halo->domain->frame;
+  const int32_t brick = cell->slot / HC_BRICK_CELLS;
+  const int part = cell->slot % HC_BRICK_CELLS;
+  const int parts[3] = {part & 3, part >> HC_BRICK_BITS & 3, part >> (2 * HC_BRICK_BITS)};
+  cell_header header = {.count = cells->count[brick][part]};
+  uint32_t shift[3];
+  for (int axis = 0; axis < 3; axis++) {
+    const int64_t units = cell->shift[axis] * frame->period[axis];
+    const int64_t global =
+        (int64_t)cells->bricks[brick].x[axis] * HC_BRICK_EDGE + parts[axis] + hc_frame_cell(units);
+    header.brick.x[axis] = (int32_t)(global >> HC_BRICK_BITS);
+    header.cell |= (int32_t)(global & (HC_BRICK_EDGE - 1)) << (axis * HC_BRICK_BITS);
+    shift[axis] = (uint32_t)(uint64_t)units;
+  }
+  memcpy(to, &header, sizeof header);
+  to += sizeof header;
+  const hc_record *place = halo->particles->place + cells->begin[brick][part];
+  for (int32_t k = 0; k < header.count; k++) {
+    uint32_t x[3];
+    for (int axis = 0; axis < 3; axis++) x[axis] = (uint32_t)place[k].x[axis] + shift[axis];
+    memcpy(to, x, PLACE_BYTES);
+    to += PLACE_BYTES;
+  }
+  return to;
+}
+
+static void find_partners(hc_halo *halo) {
+  halo->send_count = 0;
+  for (int32_t k = 0; k < halo->cell_count; k++) {
+    if (k > 0 && halo->cells[k].rank == halo->cells[k - 1].rank) continue;
+    const size_t old = (size_t)halo->send_count;
+    hc_reserve((void **)&halo->send, &halo->capacity[0], old + 1, old, sizeof *halo->send);
+    hc_reserve((void **)&halo->send_begin, &halo->capacity[1], old + 2, old, sizeof *halo->send_begin);
+    halo->send[old].rank = halo->cells[k].rank;
+    halo->send_begin[old] = k;
+    halo->send_begin[old + 1] = halo->cell_count;
+    halo->send_count++;
+  }
+}
+
+/* Fills the messages that create ghosts. */
+static void write_cells(hc_halo *halo, const hc_cells *cells) {
+  size_t bytes = 0;
+  for (int32_t k = 0; k < halo->cell_count; k++) {
+    const int32_t slot = halo->cells[k].slot;
+    const size_t count = (size_t)cells->count[slot / HC_BRICK_CELLS][slot % HC_BRICK_CELLS];
+    bytes += sizeof(cell_header) + count * sizeof(hc_record); /* a record: the most that a refresh carries */
+  }
+  hc_reserve((void **)&halo->send_buffer, &halo->send_capacity, bytes, 0, 1);
+  char *to = halo->send_buffer;
+  for (int partner = 0; partner < halo->send_count; partner++) {
+    halo->send[partner].data = to;
+    for (int32_t k = halo->send_begin[partner]; k < halo->send_begin[partner + 1]; k++)
+      to = write_cell(halo, cells, &halo->cells[k], to);
+    halo->send[partner].bytes = (size_t)(to - (char *)halo->send[partner].data);
+  }
+}
+
+static int32_t count_ghosts(const hc_message *message) {
+  int32_t ghosts = 0;
+  const char *from = message->data, *end = from + message->bytes;
+  while (from < end) {
+    cell_header header;
+    memcpy(&header, from, sizeof header);
+    ghosts += header.count;
+    from += sizeof header + (size_t)header.count * PLACE_BYTES;
+  }
+  HC_CHECK(from == end, "halo message of rank %d is damaged", message->rank);
+  return ghosts;
+}
+
+static int32_t enter_ghosts(hc_particles *particles, hc_cells *cells, const hc_message *message,
+                            int32_t next) {
+  const char *from = message->data, *end = from + message->bytes;
+  while (from < end) {
+    cell_header header;
+    memcpy(&header, from, sizeof header);
+    from += sizeof header;
+    const int32_t brick = hc_cells_insert(cells, header.brick);
+    HC_CHECK(cells->count[brick][header.cell] == 0, "rank %d sent a cell that is not its own", message->rank);
+    cells->begin[brick][header.cell] = next;
+    cells->count[brick][header.cell] = header.count;
+    for (int32_t k = 0; k < header.count; k++, next++, from += PLACE_BYTES) {
+      memcpy(particles->place[next].x, from, PLACE_BYTES);
+      particles->place[next].scalar = 0.0f;
+    }
+  }
+  return next;
+}
+
+void hc_halo_build(hc_halo *halo, hc_cells *cells) {
+  HC_CHECK(!halo->pending, "a refresh is still under way");
+  halo->source = cells;
+  if (halo->cell_count) qsort(halo->cells, (size_t)halo->cell_count, sizeof *halo->cells, compare_halo_cells);
+  find_partners(halo);
+  write_cells(halo, cells);
+
+  hc_message *in;
+  int in_count;
+  hc_comm_sparse(halo->domain->comm, halo->send, halo->send_count, &in, &in_count);
+  hc_reserve((void **)&halo->receive, &halo->capacity[2], (size_t)in_count, 0, sizeof *halo->receive);
+  hc_reserve((void **)&halo->ghost_begin, &halo->capacity[3], (size_t)in_count + 1, 0,
+             sizeof *halo->ghost_begin);
+  halo->receive_count = in_count;
+  int32_t ghosts = 0;
+  for (int m = 0; m < in_count; m++) {
+    halo->receive[m].rank = in[m].rank;
+    halo->ghost_begin[m] = ghosts;
+    ghosts += count_ghosts(&in[m]);
+  }
+  halo->ghost_begin[in_count] = ghosts;
+  hc_particles_set_ghosts(halo->particles, ghosts);
+  int32_t next = halo->particles->own;
+  for (int m = 0; m < in_count; m++) next = enter_ghosts(halo->particles, cells, &in[m], next);
+  hc_messages_free(in, in_count);
+  hc_reserve((void **)&halo->requests, &halo->requests_capacity, (size_t)(halo->send_count + in_count), 0,
+             sizeof *halo->requests);
+}
+
+/* ---- refreshes ---- */
+
+static size_t field_bytes(hc_halo_field field) {
+  return field == HC_HALO_PLACE_SCALAR ? 4 : field == HC_HALO_VELOCITY ? 12 : 16;
+}
+
+/* First byte of the field in the records that hold it. */
+static char *field_data(const hc_particles *particles, hc_halo_field field) {
+  return field == HC_HALO_PLACE_SCALAR ? (char *)&particles->place->scalar : (char *)particles->motion;
+}
+
+static void copy_strided(char *restrict to, size_t to_stride, const char *restrict from, size_t from_stride,
+                         int32_t count, size_t bytes) {
+  for (int32_t k = 0; k < count; k++, to += to_stride, from += from_stride) memcpy(to, from, bytes);
+}
+
+static void pack(hc_halo *halo, size_t bytes) {
+  const char *data = field_data(halo->particles, halo->field);
+  char *to = halo->send_buffer;
+  for (int partner = 0; partner < halo->send_count; partner++) {
+    halo->send[partner].data = to;
+    for (int32_t k = halo->send_begin[partner]; k < halo->send_begin[partner + 1]; k++) {
+      const int32_t brick = halo->cells[k].slot / HC_BRICK_CELLS;
+      const int cell = halo->cells[k].slot % HC_BRICK_CELLS;
+      const int32_t count = halo->source->count[brick][cell];
+      const char *from = data + (size_t)halo->source->begin[brick][cell] * sizeof(hc_record);
+      copy_strided(to, bytes, from, sizeof(hc_record), count, bytes);
+      to += (size_t)count * bytes;
+    }
+    halo->send[partner].bytes = (size_t)(to - (char *)halo->send[partner].data);
+  }
+}
+
+void hc_halo_begin(hc_halo *halo, hc_halo_field field) {
+  HC_CHECK(!halo->pending, "one refresh at a time");
+  const size_t bytes = field_bytes(field);
+  halo->field = field;
+  pack(halo, bytes);
+  hc_reserve((void **)&halo->receive_buffer, &halo->receive_capacity, (size_t)halo->particles->ghosts * bytes,
+             0, 1);
+  for (int m = 0; m < halo->receive_count; m++) {
+    halo->receive[m].data = halo->receive_buffer + (size_t)halo->ghost_begin[m] * bytes;
+    halo->receive[m].bytes = (size_t)(halo->ghost_begin[m + 1] - halo->ghost_begin[m]) * bytes;
+  }
+  halo->exchange =
+      (hc_exchange){halo->send_count, halo->receive_count, halo->send, halo->receive, halo->requests, 0};
+  hc_comm_exchange_begin(halo->domain->comm, &halo->exchange, (int)field);
+  halo->pending = true;
+}
+
+void hc_halo_end(hc_halo *halo) {
+  HC_CHECK(halo->pending, "no refresh is under way");
+  hc_comm_exchange_end(halo->domain->comm, &halo->exchange);
+  const size_t bytes = field_bytes(halo->field);
+  char *to = field_data(halo->particles, halo->field) + (size_t)halo->particles->own * sizeof(hc_record);
+  copy_strided(to, sizeof(hc_record), halo->receive_buffer, bytes, halo->particles->ghosts, bytes);
+  halo->pending = false;
+}
+
+void hc_halo_refresh(hc_halo *halo, hc_halo_field field) {
+  hc_halo_begin(halo, field);
+  hc_halo_end(halo);
+}

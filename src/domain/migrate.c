@@ -1,0 +1,98 @@
+/* Migration: own particles whose brick belongs to another rank go there, however far away it is. */
+#include "domain.h"
+
+#include "base/memory.h"
+
+#include <stdlib.h>
+
+typedef struct leaver {
+  int rank;
+  int32_t index;
+} leaver;
+
+static int by_rank(const void *a, const void *b) {
+  const leaver *p = a, *q = b;
+  if (p->rank != q->rank) return p->rank < q->rank ? -1 : 1;
+  return p->index < q->index ? -1 : p->index > q->index;
+}
+
+static int32_t find_leavers(const hc_domain *domain, const hc_particles *particles, leaver **leavers) {
+  *leavers = NULL;
+  size_t capacity = 0;
+  int32_t count = 0;
+  hc_brick last = {{0, 0, 0}};
+  int owner = -1;
+  for (int32_t k = 0; k < particles->own; k++) {
+    hc_brick brick;
+    hc_cell_of(&particles->position[3 * (size_t)k], &brick);
+    if (owner < 0 || !hc_brick_equal(brick, last)) {
+      owner = hc_domain_owner(domain, brick);
+      last = brick;
+    }
+    if (owner == domain->comm->rank) continue;
+    hc_reserve((void **)leavers, &capacity, (size_t)count + 1, (size_t)count, sizeof **leavers);
+    (*leavers)[count++] = (leaver){owner, k};
+  }
+  return count;
+}
+
+/* Closes the holes that leavers (indices ascending) leave behind with particles from the end. */
+static void close_holes(hc_particles *particles, const int32_t *holes, int32_t count, void *block) {
+  int32_t end = particles->own, last = count - 1;
+  for (int32_t k = 0; k < count; k++) {
+    while (last >= 0 && holes[last] == end - 1) {
+      last--;
+      end--;
+    }
+    if (holes[k] >= end) break;
+    hc_particles_pack(particles, --end, block);
+    hc_particles_unpack(particles, holes[k], block);
+  }
+  hc_particles_resize(particles, particles->own - count);
+}
+
+static int ascending(const void *a, const void *b) {
+  const int32_t p = *(const int32_t *)a, q = *(const int32_t *)b;
+  return p < q ? -1 : p > q;
+}
+
+int32_t hc_domain_migrate(hc_domain *domain, hc_particles *particles) {
+  if (domain->comm->size == 1) return 0;
+  leaver *leavers;
+  const int32_t count = find_leavers(domain, particles, &leavers);
+  if (count) qsort(leavers, (size_t)count, sizeof *leavers, by_rank);
+
+  const size_t bytes = hc_particles_state_bytes(particles->kind);
+  char *buffer = hc_alloc((size_t)count + 1, bytes); /* one more for close_holes */
+  int32_t *holes = hc_alloc((size_t)count, sizeof *holes);
+  hc_message *out = hc_alloc((size_t)count, sizeof *out);
+  int messages = 0;
+  for (int32_t k = 0; k < count; k++) {
+    char *block = buffer + (size_t)k * bytes;
+    hc_particles_pack(particles, leavers[k].index, block);
+    holes[k] = leavers[k].index;
+    if (k == 0 || leavers[k].rank != leavers[k - 1].rank)
+      out[messages++] = (hc_message){leavers[k].rank, 0, block};
+    out[messages - 1].bytes += bytes;
+  }
+  if (count) {
+    qsort(holes, (size_t)count, sizeof *holes, ascending);
+    close_holes(particles, holes, count, buffer + (size_t)count * bytes);
+  }
+
+  hc_message *in;
+  int in_count;
+  hc_comm_sparse(domain->comm, out, messages, &in, &in_count);
+  for (int m = 0; m < in_count; m++) {
+    const int32_t first = particles->own, arrivals = (int32_t)(in[m].bytes / bytes);
+    hc_particles_resize(particles, first + arrivals);
+    for (int32_t k = 0; k < arrivals; k++)
+      hc_particles_unpack(particles, first + k, (const char *)in[m].data + (size_t)k * bytes);
+  }
+  hc_messages_free(in, in_count);
+  hc_free(out);
+  hc_free(holes);
+  hc_free(buffer);
+  hc_free(leavers);
+  return count;
+}

@@ -1,0 +1,260 @@
+#include "sampling.h"
+
+#include "base/check.h"
+
+#include <math.h>
+#include <string.h>
+
+/* More along an axis is refused, which keeps every product below in 64 bits. */
+#define MAX_CELLS ((int64_t)1 << 30)
+#define MAX_POINTS ((int64_t)1 << 62)
+
+/* Lengths are decimal fractions and the spacing is rounded to units: a multiple is one to this part of the
+ * length. */
+static const double length_tolerance = 1e-6;
+
+/* Indices along an axis that belong together: a face's row, or what is between the faces. */
+typedef struct segment {
+  int64_t start, count;
+  bool face; /* a row of a closed face */
+} segment;
+
+static double slack(double ratio) {
+  return fmin(length_tolerance * (1 + ratio), 0.25);
+}
+
+static double spacings(const hc_lattice *lattice, int axis, double length) {
+  return length / ((double)lattice->spacing[axis] * lattice->unit[axis]);
+}
+
+static int64_t to_cells(double count) {
+  if (!(count > 0)) return 0;
+  return count < (double)MAX_CELLS ? (int64_t)count : MAX_CELLS;
+}
+
+static int64_t nearest_cells(double ratio) {
+  const int64_t cells = to_cells(rint(ratio));
+  return cells > 0 ? cells : 1;
+}
+
+static int64_t to_units(const hc_lattice *lattice, int axis, double metres) {
+  return lattice->origin[axis] + llrint(metres / lattice->unit[axis]);
+}
+
+/* A length in units: exactly `cells` spacings if it is that many. */
+static int64_t length_units(const hc_lattice *lattice, int axis, double length, int64_t cells) {
+  const double ratio = spacings(lattice, axis, length);
+  if (fabs(ratio - (double)cells) <= slack(ratio)) return cells * lattice->spacing[axis];
+  return llrint(length / lattice->unit[axis]);
+}
+
+/* Cell centres of a row of `cells` cells from `low` on, and half a spacing beyond its ends. */
+static hc_sampling_axis centred_axis(int64_t low, int64_t length, int64_t cells, int64_t spacing) {
+  const int64_t half = (length + cells) / (2 * cells);
+  const int64_t steps = cells - 1;
+  return (hc_sampling_axis){.first = low + (steps > 0 ? half : length / 2),
+                            .span = steps > 0 ? length - 2 * half : 0,
+                            .steps = steps,
+                            .below = low - spacing / 2,
+                            .above = low + length + spacing / 2};
+}
+
+static int64_t axis_position(const hc_sampling_axis *axis, int64_t index) {
+  if (index < 0) return axis->below;
+  if (index > axis->steps) return axis->above;
+  if (axis->steps == 0) return axis->first;
+  const int64_t whole = axis->span / axis->steps, rest = axis->span % axis->steps;
+  return axis->first + index * whole + (rest ? (2 * index * rest + axis->steps) / (2 * axis->steps) : 0);
+}
+
+static void add_part(hc_sampling *sampling, const int64_t start[3], const int64_t count[3]) {
+  if (count[0] == 0 || count[1] == 0 || count[2] == 0 || sampling->count == INT64_MAX) return;
+  HC_CHECK(sampling->part_count < HC_SAMPLING_MAX_PARTS, "a sampling has at most %d parts",
+           HC_SAMPLING_MAX_PARTS);
+  hc_sampling_part *const part = &sampling->parts[sampling->part_count++];
+  int64_t points = 1;
+  bool too_many = false;
+  for (int a = 0; a < 3; a++) {
+    part->start[a] = start[a];
+    part->count[a] = count[a];
+    too_many |= count[a] >= MAX_CELLS || __builtin_mul_overflow(points, count[a], &points);
+  }
+  part->first = sampling->count;
+  too_many |= __builtin_add_overflow(sampling->count, points, &sampling->count);
+  if (too_many || sampling->count > MAX_POINTS) sampling->count = INT64_MAX;
+}
+
+hc_sampling hc_sampling_block(const hc_lattice *lattice, const double min[3], const double max[3]) {
+  hc_sampling sampling = {0};
+  int64_t cells[3];
+  for (int a = 0; a < 3; a++) {
+    const double ratio = spacings(lattice, a, max[a] - min[a]);
+    cells[a] = to_cells(ratio > 0 ? floor(ratio + slack(ratio)) : 0);
+    const int64_t spacing = lattice->spacing[a];
+    if (cells[a] > 0)
+      sampling.axis[a] = centred_axis(to_units(lattice, a, min[a]), cells[a] * spacing, cells[a], spacing);
+  }
+  add_part(&sampling, (const int64_t[3]){0, 0, 0}, cells);
+  return sampling;
+}
+
+/* All products of segments, one along each axis, that lie on a closed face. */
+static void add_shell(hc_sampling *sampling, segment segments[3][3], const int segment_count[3]) {
+  for (int k = 0; k < segment_count[2]; k++)
+    for (int j = 0; j < segment_count[1]; j++)
+      for (int i = 0; i < segment_count[0]; i++) {
+        const segment *const x = &segments[0][i], *const y = &segments[1][j], *const z = &segments[2][k];
+        if (x->face || y->face || z->face)
+          add_part(sampling, (const int64_t[3]){x->start, y->start, z->start},
+                   (const int64_t[3]){x->count, y->count, z->count});
+      }
+}
+
+static bool is_open(unsigned open, int axis, int upper) {
+  return open >> (2 * axis + upper) & 1;
+}
+
+hc_sampling hc_sampling_container(const hc_lattice *lattice, const double min[3], const double max[3],
+                                  unsigned open) {
+  hc_sampling sampling = {0};
+  segment segments[3][3];
+  int segment_count[3] = {0, 0, 0};
+  for (int a = 0; a < 3; a++) {
+    const int64_t cells = nearest_cells(spacings(lattice, a, max[a] - min[a]));
+    sampling.axis[a] =
+        centred_axis(to_units(lattice, a, min[a]), length_units(lattice, a, max[a] - min[a], cells), cells,
+                     lattice->spacing[a]);
+    if (!is_open(open, a, 0)) segments[a][segment_count[a]++] = (segment){-1, 1, true};
+    segments[a][segment_count[a]++] = (segment){0, cells, false};
+    if (!is_open(open, a, 1)) segments[a][segment_count[a]++] = (segment){cells, 1, true};
+  }
+  add_shell(&sampling, segments, segment_count);
+  return sampling;
+}
+
+/* Rows from half a spacing inside one face to half a spacing inside the other, or one in the middle. */
+static hc_sampling_axis solid_axis(int64_t low, int64_t length, int64_t rows, int64_t spacing) {
+  if (rows == 1) return (hc_sampling_axis){.first = low + length / 2};
+  return (hc_sampling_axis){.first = low + spacing / 2, .span = length - spacing, .steps = rows - 1};
+}
+
+hc_sampling hc_sampling_solid(const hc_lattice *lattice, const double min[3], const double max[3],
+                              unsigned open) {
+  hc_sampling sampling = {0};
+  segment segments[3][3];
+  int segment_count[3] = {0, 0, 0};
+  for (int a = 0; a < 3; a++) {
+    const int64_t rows = nearest_cells(spacings(lattice, a, max[a] - min[a]));
+    sampling.axis[a] = solid_axis(to_units(lattice, a, min[a]),
+                                  length_units(lattice, a, max[a] - min[a], rows), rows, lattice->spacing[a]);
+    const bool lower = !is_open(open, a, 0), upper = !is_open(open, a, 1);
+    segments[a][segment_count[a]++] = (segment){0, 1, rows == 1 ? lower || upper : lower};
+    if (rows > 2) segments[a][segment_count[a]++] = (segment){1, rows - 2, false};
+    if (rows > 1) segments[a][segment_count[a]++] = (segment){rows - 1, 1, upper};
+  }
+  add_shell(&sampling, segments, segment_count);
+  return sampling;
+}
+
+static double length_of(const double v[3]) {
+  return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+static void oblique_plane(hc_sampling *sampling, const hc_lattice *lattice, const double point[3],
+                          const double unit_normal[3], int axis, const double size[2]) {
+  const double *const n = unit_normal;
+  const int next = (axis + 1) % 3;
+  double tangent[2][3];
+  for (int a = 0; a < 3; a++) tangent[0][a] = (a == next) - n[next] * n[a];
+  const double length = length_of(tangent[0]);
+  for (int a = 0; a < 3; a++) tangent[0][a] /= length;
+  for (int a = 0; a < 3; a++) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;
+    tangent[1][a] = n[b] * tangent[0][c] - n[c] * tangent[0][b];
+  }
+  sampling->oblique = true;
+  for (int t = 0; t < 2; t++) sampling->cells[t] = nearest_cells(spacings(lattice, axis, size[t]));
+  for (int a = 0; a < 3; a++) {
+    sampling->centre[a] = to_units(lattice, a, point[a]) - llrint(0.5 * n[a] * (double)lattice->spacing[a]);
+    for (int t = 0; t < 2; t++) sampling->edges[t][a] = tangent[t][a] * size[t] / lattice->unit[a];
+  }
+  add_part(sampling, (const int64_t[3]){0, 0, 0},
+           (const int64_t[3]){sampling->cells[0], sampling->cells[1], 1});
+}
+
+hc_sampling hc_sampling_plane(const hc_lattice *lattice, const double point[3], const double normal[3],
+                              const double size[2]) {
+  hc_sampling sampling = {0};
+  const double length = length_of(normal);
+  HC_CHECK(length > 0 && isfinite(length), "a plane's normal needs a length, got %g", length);
+  const double unit_normal[3] = {normal[0] / length, normal[1] / length, normal[2] / length};
+  int axis = 0;
+  for (int a = 1; a < 3; a++)
+    if (fabs(unit_normal[a]) > fabs(unit_normal[axis])) axis = a;
+  const int along[2] = {(axis + 1) % 3, (axis + 2) % 3};
+  if (fabs(unit_normal[along[0]]) > 1e-12 || fabs(unit_normal[along[1]]) > 1e-12) {
+    oblique_plane(&sampling, lattice, point, unit_normal, axis, size);
+    return sampling;
+  }
+  int64_t cells[3];
+  for (int t = 0; t < 2; t++) {
+    const int a = along[t];
+    cells[a] = nearest_cells(spacings(lattice, a, size[t]));
+    const int64_t low = to_units(lattice, a, point[a] - 0.5 * size[t]);
+    sampling.axis[a] =
+        centred_axis(low, length_units(lattice, a, size[t], cells[a]), cells[a], lattice->spacing[a]);
+  }
+  const int64_t behind = lattice->spacing[axis] / 2;
+  cells[axis] = 1;
+  sampling.axis[axis].first = to_units(lattice, axis, point[axis]) + (normal[axis] > 0 ? -behind : behind);
+  add_part(&sampling, (const int64_t[3]){0, 0, 0}, cells);
+  return sampling;
+}
+
+int64_t hc_sampling_count(const hc_sampling *sampling) {
+  return sampling->count;
+}
+
+static int64_t oblique_position(const hc_sampling *sampling, int axis, const int64_t index[2]) {
+  double offset = 0;
+  for (int t = 0; t < 2; t++)
+    offset += sampling->edges[t][axis] * (((double)index[t] + 0.5) / (double)sampling->cells[t] - 0.5);
+  return sampling->centre[axis] + llrint(offset);
+}
+
+void hc_sampling_point(const hc_sampling *sampling, int64_t k, int64_t x[3]) {
+  HC_CHECK(k >= 0 && k < sampling->count && sampling->count < INT64_MAX,
+           "sample must lie in [0, %lld), got %lld", (long long)sampling->count, (long long)k);
+  int p = sampling->part_count - 1;
+  while (sampling->parts[p].first > k) p--;
+  const hc_sampling_part *const part = &sampling->parts[p];
+  const int64_t in_part = k - part->first;
+  const int64_t row = in_part / part->count[0];
+  const int64_t index[3] = {part->start[0] + in_part % part->count[0], part->start[1] + row % part->count[1],
+                            part->start[2] + row / part->count[1]};
+  for (int a = 0; a < 3; a++)
+    x[a] = sampling->oblique ? oblique_position(sampling, a, index)
+                             : axis_position(&sampling->axis[a], index[a]);
+}
+
+void hc_sampling_bounds(const hc_sampling *sampling, int64_t low[3], int64_t high[3]) {
+  HC_CHECK(sampling->count > 0 && sampling->count < INT64_MAX, "bounds need points, got %lld",
+           (long long)sampling->count);
+  for (int a = 0; a < 3; a++) {
+    low[a] = INT64_MAX;
+    high[a] = INT64_MIN;
+  }
+  /* Positions are monotonic in each index, so the corners of the parts are enough. */
+  for (int p = 0; p < sampling->part_count; p++)
+    for (int corner = 0; corner < 8; corner++) {
+      const hc_sampling_part *const part = &sampling->parts[p];
+      int64_t index[3];
+      for (int a = 0; a < 3; a++) index[a] = part->start[a] + (corner >> a & 1 ? part->count[a] - 1 : 0);
+      for (int a = 0; a < 3; a++) {
+        const int64_t x = sampling->oblique ? oblique_position(sampling, a, index)
+                                            : axis_position(&sampling->axis[a], index[a]);
+        if (x < low[a]) low[a] = x;
+        if (x > high[a]) high[a] = x;
+      }
+    }
+}

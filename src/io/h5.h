@@ -1,0 +1,34 @@
+/* HDF5 for this room: silence, errors as text, attributes. Included by no other room.
+ *
+ * Helpers take an hc_error that keeps the first failure ("problem"): once it is set they still run, because
+ * other ranks run them too, but never overwrite it. */
+#ifndef HC_H5_H
+#define HC_H5_H
+
+#include "halocline/error.h"
+
+#include <hdf5.h>
+#include <stddef.h>
+
+/* Stops HDF5 from printing its error stack on stderr; its text is folded into ours. Local. */
+void hc_h5_silence(void);
+
+/* Puts a formatted message and HDF5's own reason into `problem` unless it already holds one; returns its
+ * status. */
+hc_status hc_h5_failed(hc_error *problem, hc_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Writes an attribute: a scalar for count 1, else a row. Collective over the ranks that share the file, with
+ * the same values. Failure is HC_IO_FAILED. */
+void hc_h5_put(hid_t where, const char *name, hid_t file_type, hid_t memory_type, int count,
+               const void *values, hc_error *problem);
+void hc_h5_put_f64(hid_t where, const char *name, int count, const double *values, hc_error *problem);
+void hc_h5_put_i64(hid_t where, const char *name, int count, const int64_t *values, hc_error *problem);
+void hc_h5_put_text(hid_t where, const char *name, const char *text,
+                    hc_error *problem); /* fixed-length ASCII */
+
+/* Reads an attribute of exactly `count` values (text: at most size - 1 bytes). Failure is HC_BAD_INPUT. */
+void hc_h5_get(hid_t where, const char *name, hid_t memory_type, int count, void *values, hc_error *problem);
+void hc_h5_get_text(hid_t where, const char *name, char *text, size_t size, hc_error *problem);
+
+#endif

@@ -1,0 +1,21 @@
+/* The output directory of a run. */
+#ifndef HC_RUN_DIR_H
+#define HC_RUN_DIR_H
+
+#include "comm/comm.h"
+#include "halocline/error.h"
+
+typedef enum hc_run_dir_mode {
+  HC_RUN_DIR_NEW,    /* a directory that holds a run is refused */
+  HC_RUN_DIR_FORCE,  /* the old run's own files are removed first, nothing else */
+  HC_RUN_DIR_RESUME, /* the files stay: the run goes on in them */
+} hc_run_dir_mode;
+
+/* Makes `directory` (with its parents) ready for a run. A directory holds a run if it has steps.csv or
+ * scene.yaml. HC_RUN_DIR_FORCE removes scene.yaml, run.log, steps.csv, load.csv, gauges.csv, timings.json,
+ * snapshots/snap_<digits>.hdf, snapshots/run.hdf.series, checkpoints/ckpt_<digits>.h5 and temporaries of
+ * these. Collective; rank 0 does the work, every rank returns the same. HC_BAD_INPUT: it holds a run.
+ * HC_IO_FAILED: it cannot be created, read or cleared. */
+hc_status hc_run_dir_open(hc_comm *comm, const char *directory, hc_run_dir_mode mode, hc_error *error);
+
+#endif

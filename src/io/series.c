@@ -1,0 +1,39 @@
+#include "series.h"
+
+#include "atomic_file.h"
+#include "text.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+static void put_entry(FILE *stream, bool first, int number, double time) {
+  char text[HC_TEXT_NUMBER];
+  fprintf(stream, "%s  {\"name\":\"snap_%06d.hdf\",\"time\":%s}", first ? "" : ",\n", number,
+          hc_text_json_number(text, time));
+}
+
+hc_status hc_series_add(const char *directory, int number, double time, hc_error *error) {
+  char path[HC_TEXT_PATH];
+  hc_atomic_file file;
+  hc_status status = hc_text_path(path, error, "%s/run.hdf.series", directory);
+  if (status == HC_OK) status = hc_atomic_file_begin(&file, directory, "run.hdf.series", error);
+  if (status != HC_OK) return status;
+  fprintf(file.stream, "{\"file-series-version\":\"1.0\",\"files\":[\n");
+  bool first = true;
+  FILE *old = fopen(path, "r");
+  if (old) {
+    char line[256];
+    while (fgets(line, sizeof line, old)) {
+      int old_number = 0;
+      double old_time = 0;
+      if (sscanf(line, " {\"name\":\"snap_%d.hdf\",\"time\":%lf}", &old_number, &old_time) != 2) continue;
+      if (old_number >= number) continue;
+      put_entry(file.stream, first, old_number, old_time);
+      first = false;
+    }
+    fclose(old);
+  }
+  put_entry(file.stream, first, number, time);
+  fprintf(file.stream, "\n]}\n");
+  return hc_atomic_file_commit(&file, error);
+}

@@ -1,0 +1,13 @@
+/* snapshots/run.hdf.series: the times of the snapshots, for ParaView. */
+#ifndef HC_SERIES_H
+#define HC_SERIES_H
+
+#include "halocline/error.h"
+
+/* Rewrites DIRECTORY/run.hdf.series with one more entry, snap_NNNNNN.hdf at `time` [s]. Entries with this
+ * number or a later one are dropped: they belong to a run that was taken back by a restart. Local, for rank
+ * 0; the file appears whole. HC_IO_FAILED if it cannot be written. A series that is missing or not ours
+ * counts as empty. */
+hc_status hc_series_add(const char *directory, int number, double time, hc_error *error);
+
+#endif

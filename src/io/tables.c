@@ -1,0 +1,130 @@
+#include "tables.h"
+
+#include "base/check.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdbool.h>
+#include <string.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+static const char step_header[] =
+    "step,time,dt,iterations_density,iterations_divergence,density_error_avg,density_error_max,v_max,a_max,"
+    "kinetic_energy,potential_energy,fluid_particles,active_fraction,active_boundary_fraction,event\n";
+static const char load_header[] = "step,wall_seconds,imbalance,ghosts_max,bytes_sent_max,event\n";
+
+static hc_status failed(const hc_table *table, hc_error *error) {
+  return hc_error_set(error, HC_IO_FAILED, "cannot write %s: %s", table->path, strerror(errno));
+}
+
+/* A stream that failed once stays failed, also if the disk has room again: a row would be torn. */
+static hc_status flush(hc_table *table, hc_error *error) {
+  errno = 0;
+  if (fflush(table->stream) == 0 && !ferror(table->stream)) return HC_OK;
+  if (errno == 0) errno = EIO;
+  return failed(table, error);
+}
+
+/* Finds the end of the last whole row up to `last_step`. Returns false if the header is not ours. */
+static bool find_end(FILE *stream, const char *header, int64_t last_step, off_t *end) {
+  char line[1024];
+  if (!fgets(line, sizeof line, stream) || strcmp(line, header) != 0) return false;
+  *end = ftello(stream);
+  while (fgets(line, sizeof line, stream)) {
+    int64_t step = 0;
+    if (!strchr(line, '\n') || sscanf(line, "%" SCNd64 ",", &step) != 1 || step > last_step) break;
+    *end = ftello(stream);
+  }
+  return true;
+}
+
+static hc_status open_table(hc_table *table, const char *directory, const char *name, const char *header,
+                            int64_t last_step, hc_error *error) {
+  const hc_status status = hc_text_path(table->path, error, "%s/%s", directory, name);
+  if (status != HC_OK) return status;
+  if (last_step >= 0) {
+    table->stream = fopen(table->path, "r+");
+    if (!table->stream && errno != ENOENT) return failed(table, error);
+  }
+  if (table->stream) {
+    off_t end = 0;
+    if (!find_end(table->stream, header, last_step, &end))
+      return hc_error_set(error, HC_IO_FAILED, "cannot go on in %s: its first line must be %.*s", table->path,
+                          (int)strlen(header) - 1, header);
+    if (fseeko(table->stream, end, SEEK_SET) != 0 || ftruncate(fileno(table->stream), end) != 0)
+      return failed(table, error);
+    return HC_OK;
+  }
+  table->stream = fopen(table->path, "w");
+  if (!table->stream) return failed(table, error);
+  fputs(header, table->stream);
+  return flush(table, error);
+}
+
+hc_status hc_tables_open(hc_tables *tables, const char *directory, int64_t last_step, hc_error *error) {
+  memset(tables, 0, sizeof *tables);
+  hc_status status = open_table(&tables->steps, directory, "steps.csv", step_header, last_step, error);
+  if (status == HC_OK)
+    status = open_table(&tables->load, directory, "load.csv", load_header, last_step, error);
+  if (status != HC_OK) hc_tables_close(tables, NULL);
+  return status;
+}
+
+static void put_number(FILE *stream, double value) {
+  char text[HC_TEXT_NUMBER];
+  fprintf(stream, ",%s", hc_text_number(text, value));
+}
+
+static void put_event(FILE *stream, const char *event) {
+  if (!event) event = "";
+  HC_CHECK(!strpbrk(event, ",\"\r\n"), "an event must not hold a comma, quote or line end, got %s", event);
+  fprintf(stream, ",%s\n", event);
+}
+
+hc_status hc_tables_add_step(hc_tables *tables, const hc_step_row *row, hc_error *error) {
+  FILE *stream = tables->steps.stream;
+  if (!stream) return HC_OK;
+  fprintf(stream, "%" PRId64, row->step);
+  put_number(stream, row->time);
+  put_number(stream, row->dt);
+  fprintf(stream, ",%d,%d", row->iterations_density, row->iterations_divergence);
+  put_number(stream, row->density_error_avg);
+  put_number(stream, row->density_error_max);
+  put_number(stream, row->v_max);
+  put_number(stream, row->a_max);
+  put_number(stream, row->kinetic_energy);
+  put_number(stream, row->potential_energy);
+  fprintf(stream, ",%" PRId64, row->fluid_particles);
+  put_number(stream, row->active_fraction);
+  put_number(stream, row->active_boundary_fraction);
+  put_event(stream, row->event);
+  return flush(&tables->steps, error);
+}
+
+hc_status hc_tables_add_load(hc_tables *tables, const hc_load_row *row, hc_error *error) {
+  FILE *stream = tables->load.stream;
+  if (!stream) return HC_OK;
+  fprintf(stream, "%" PRId64, row->step);
+  put_number(stream, row->wall_seconds);
+  put_number(stream, row->imbalance);
+  fprintf(stream, ",%" PRId64 ",%" PRId64, row->ghosts_max, row->bytes_sent_max);
+  put_event(stream, row->event);
+  return flush(&tables->load, error);
+}
+
+static hc_status close_table(hc_table *table, hc_error *error) {
+  if (!table->stream) return HC_OK;
+  const bool broken = ferror(table->stream) != 0;
+  const bool closed = fclose(table->stream) == 0;
+  table->stream = NULL;
+  if (closed && !broken) return HC_OK;
+  if (closed) errno = EIO;
+  return failed(table, error);
+}
+
+hc_status hc_tables_close(hc_tables *tables, hc_error *error) {
+  const hc_status steps = close_table(&tables->steps, error);
+  const hc_status load = close_table(&tables->load, steps == HC_OK ? error : NULL);
+  return steps != HC_OK ? steps : load;
+}

@@ -1,0 +1,55 @@
+/* steps.csv and load.csv: a row a step. Local, for rank 0; a zeroed hc_tables (the other ranks') takes rows
+ * and drops them. Numbers are printed so that they read back as the same doubles, and steps.csv has the same
+ * bytes on any number of ranks. A row is in the file when the call returns. */
+#ifndef HC_TABLES_H
+#define HC_TABLES_H
+
+#include "halocline/error.h"
+#include "text.h"
+
+#include <stdint.h>
+#include <stdio.h>
+
+/* A row of steps.csv: the physics. */
+typedef struct hc_step_row {
+  int64_t step;
+  double time, dt; /* s */
+  int iterations_density, iterations_divergence;
+  double density_error_avg, density_error_max; /* fractions of the rest density */
+  double v_max, a_max;                         /* m/s, m/s2 */
+  double kinetic_energy, potential_energy;     /* J */
+  int64_t fluid_particles;
+  double active_fraction, active_boundary_fraction;
+  const char *event; /* words joined by '+', or "" or null; no comma, quote or line end */
+} hc_step_row;
+
+/* A row of load.csv: the machine. */
+typedef struct hc_load_row {
+  int64_t step;
+  double wall_seconds, imbalance;
+  int64_t ghosts_max, bytes_sent_max;
+  const char *event;
+} hc_load_row;
+
+typedef struct hc_table {
+  FILE *stream;
+  char path[HC_TEXT_PATH];
+} hc_table;
+
+typedef struct hc_tables {
+  hc_table steps, load;
+} hc_tables;
+
+/* Opens both in `directory`. last_step < 0: new files. Else a run that goes on from that step: later rows,
+ * and a last row cut short, are dropped, and rows are added behind; a missing table is started. HC_IO_FAILED
+ * if one cannot be written or an existing one has other columns; then nothing stays open. */
+hc_status hc_tables_open(hc_tables *tables, const char *directory, int64_t last_step, hc_error *error);
+
+/* Add a row. HC_IO_FAILED with the path and the system's reason, such as a full disk. */
+hc_status hc_tables_add_step(hc_tables *tables, const hc_step_row *row, hc_error *error);
+hc_status hc_tables_add_load(hc_tables *tables, const hc_load_row *row, hc_error *error);
+
+/* Closes both, also after an error. */
+hc_status hc_tables_close(hc_tables *tables, hc_error *error);
+
+#endif

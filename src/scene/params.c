@@ -1,0 +1,235 @@
+#include "params.h"
+
+#include "base/check.h"
+#include "scene.h"
+
+#include <locale.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const hc_choice viscosity_models[] = {{"none", HC_VISCOSITY_NONE},
+                                             {"xsph", HC_VISCOSITY_XSPH},
+                                             {"artificial", HC_VISCOSITY_ARTIFICIAL},
+                                             {"laminar", HC_VISCOSITY_LAMINAR},
+                                             {NULL, 0}};
+static const hc_choice flow_types[] = {
+    {"none", HC_FLOW_NONE}, {"taylor_green", HC_FLOW_TAYLOR_GREEN}, {NULL, 0}};
+static const hc_choice boundary_methods[] = {{"akinci2012", HC_BOUNDARY_AKINCI2012}, {NULL, 0}};
+static const hc_choice insides[] = {{"fluid", HC_INSIDE_FLUID}, {"solid", HC_INSIDE_SOLID}, {NULL, 0}};
+static const hc_choice faces[] = {{"-x", HC_FACE_MINUS_X},
+                                  {"+x", HC_FACE_PLUS_X},
+                                  {"-y", HC_FACE_MINUS_Y},
+                                  {"+y", HC_FACE_PLUS_Y},
+                                  {"-z", HC_FACE_MINUS_Z},
+                                  {"+z", HC_FACE_PLUS_Z},
+                                  {NULL, 0}};
+static const hc_choice solver_methods[] = {{"dfsph", HC_SOLVER_DFSPH}, {NULL, 0}};
+static const hc_choice time_controls[] = {{"constant", HC_TIME_CONSTANT}, {"cfl", HC_TIME_CFL}, {NULL, 0}};
+static const hc_choice decompositions[] = {{"slabs", HC_DECOMPOSITION_SLABS}, {NULL, 0}};
+static const hc_choice rebalances[] = {{"none", HC_REBALANCE_NONE}, {"slabs", HC_REBALANCE_SLABS}, {NULL, 0}};
+
+static const char *const wall_types[] = {[HC_WALL_BOX] = "box", [HC_WALL_PLANE] = "plane", NULL};
+
+#define ANY                                                                                                  \
+  { -INFINITY, INFINITY, false }
+#define POSITIVE                                                                                             \
+  { 0.0, INFINITY, true }
+#define AT_LEAST(low)                                                                                        \
+  { low, INFINITY, false }
+#define WITHIN(low, high)                                                                                    \
+  { low, high, false }
+#define HC_PARAM(path_, kind_, member_, unit_, fallback_, range_, sentence_, ...)                            \
+  {.path = path_,                                                                                            \
+   .kind = HC_PARAM_##kind_,                                                                                 \
+   .offset = offsetof(OWNER, member_),                                                                       \
+   .size = sizeof(((OWNER *)0)->member_),                                                                    \
+   .unit = unit_,                                                                                            \
+   .fallback = fallback_,                                                                                    \
+   .range = range_,                                                                                          \
+   .sentence = sentence_,                                                                                    \
+   __VA_ARGS__},
+#define TABLE(rows) .params = rows, .count = sizeof(rows) / sizeof((rows)[0]), .size = sizeof(OWNER)
+
+#define OWNER hc_block
+#define HC_BLOCK_PARAMS
+static const hc_param block_rows[] = {
+#include "params.def"
+};
+static const hc_param_table block_table = {TABLE(block_rows)};
+#undef HC_BLOCK_PARAMS
+#undef OWNER
+
+#define OWNER hc_wall
+#define HC_WALL_PARAMS
+static const hc_param wall_rows[] = {
+#include "params.def"
+};
+static const hc_param_table wall_table = {TABLE(wall_rows), .variants = wall_types,
+                                          .variant_offset = offsetof(hc_wall, type)};
+#undef HC_WALL_PARAMS
+#undef OWNER
+
+#define OWNER hc_scene
+#define HC_SCENE_PARAMS
+static const hc_param scene_rows[] = {
+#include "params.def"
+};
+const hc_param_table hc_params_scene = {TABLE(scene_rows)};
+#undef HC_SCENE_PARAMS
+#undef OWNER
+
+_Static_assert(sizeof(((hc_scene *)0)->output.snapshot_fields[0]) == HC_PARAM_NAME_SIZE, "size of a name");
+_Static_assert(sizeof(hc_flow_type) == sizeof(int), "choices are stored as int");
+
+int hc_params_length(const hc_param *param) {
+  switch (param->kind) {
+  case HC_PARAM_BOOL:
+    return (int)(param->size / sizeof(bool));
+  case HC_PARAM_INT64:
+    return (int)(param->size / sizeof(int64_t));
+  case HC_PARAM_NUMBER:
+    return (int)(param->size / sizeof(double));
+  default:
+    return 1;
+  }
+}
+
+bool hc_params_required(const hc_param *param) {
+  return !param->fallback && !param->fallback_note;
+}
+
+const hc_param *hc_params_find(const hc_param_table *table, const char *path) {
+  for (int k = 0; k < table->count; k++)
+    if (strcmp(table->params[k].path, path) == 0) return &table->params[k];
+  return NULL;
+}
+
+bool hc_params_is_map(const hc_param_table *table, const char *path) {
+  const size_t length = strlen(path);
+  for (int k = 0; k < table->count; k++) {
+    const char *known = table->params[k].path;
+    if (strncmp(known, path, length) == 0 && known[length] == '.') return true;
+  }
+  return false;
+}
+
+void hc_params_number_text(double value, char text[static HC_PARAM_NUMBER_TEXT]) {
+  /* The "C" locale is a constant of the C library: making it neither fails nor costs. */
+  const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+  const locale_t before = uselocale(plain);
+  for (int digits = 15; digits <= 17; digits++) {
+    snprintf(text, HC_PARAM_NUMBER_TEXT, "%.*g", digits, value);
+    if (strtod(text, NULL) == value) break;
+  }
+  uselocale(before);
+  freelocale(plain);
+}
+
+void hc_params_range_text(const hc_param *param, char *text, size_t size) {
+  const hc_range range = param->range;
+  char low[HC_PARAM_NUMBER_TEXT], high[HC_PARAM_NUMBER_TEXT];
+  hc_params_number_text(range.low, low);
+  hc_params_number_text(range.high, high);
+  text[0] = '\0';
+  if (isfinite(range.high))
+    snprintf(text, size, "in [%s, %s]", low, high);
+  else if (isfinite(range.low))
+    snprintf(text, size, "%s %s", range.above_low ? ">" : ">=", low);
+}
+
+void hc_params_choices_text(const hc_choice *choices, char *text, size_t size) {
+  size_t used = 0;
+  text[0] = '\0';
+  for (const hc_choice *choice = choices; choice->name && used < size; choice++)
+    used += (size_t)snprintf(text + used, size - used, "%s%s", choice == choices ? "" : ", ", choice->name);
+}
+
+/* --- halocline keys --- */
+
+enum { COLUMNS = 5, COLUMN_TEXT = 128 };
+
+typedef struct row {
+  char text[COLUMNS][COLUMN_TEXT];
+  const char *sentence;
+} row;
+
+static void type_text(const hc_param *param, char *text, size_t size) {
+  static const char *const names[] = {
+      [HC_PARAM_BOOL] = "bool",         [HC_PARAM_INT] = "integer",     [HC_PARAM_INT64] = "integer",
+      [HC_PARAM_NUMBER] = "number",     [HC_PARAM_TEXT] = "text",       [HC_PARAM_CHOICE] = "choice",
+      [HC_PARAM_FLAGS] = "choice list", [HC_PARAM_NAMES] = "name list", [HC_PARAM_LIST] = "map list"};
+  const int length = hc_params_length(param);
+  if (length > 1)
+    snprintf(text, size, "%s[%d]", names[param->kind], length);
+  else
+    snprintf(text, size, "%s", names[param->kind]);
+}
+
+static void constraint_text(const hc_param *param, char *text, size_t size) {
+  char range[2 * HC_PARAM_NUMBER_TEXT + 8];
+  hc_params_range_text(param, range, sizeof range);
+  if (param->choices)
+    hc_params_choices_text(param->choices, text, size);
+  else if (param->range_note)
+    snprintf(text, size, "%s", param->range_note);
+  else if (param->zero_word)
+    snprintf(text, size, "%s or %s", range, param->zero_word);
+  else if (param->kind == HC_PARAM_BOOL)
+    snprintf(text, size, "true, false");
+  else
+    snprintf(text, size, "%s", range[0] ? range : "-");
+}
+
+static row make_row(const hc_param *param, const char *prefix) {
+  row made = {.sentence = param->sentence};
+  snprintf(made.text[0], COLUMN_TEXT, "%s%s", prefix, param->path);
+  type_text(param, made.text[1], COLUMN_TEXT);
+  snprintf(made.text[2], COLUMN_TEXT, "%s", param->unit[0] ? param->unit : "-");
+  const char *fallback = param->fallback_note ? param->fallback_note : param->fallback;
+  snprintf(made.text[3], COLUMN_TEXT, "%s", fallback ? fallback : "required");
+  constraint_text(param, made.text[4], COLUMN_TEXT);
+  return made;
+}
+
+/* Calls for every visible row of the table and of the tables of its lists: once to measure, once to print. */
+static void visit(const hc_param_table *table, const char *prefix, const char *solver, int width[COLUMNS],
+                  FILE *out) {
+  for (int k = 0; k < table->count; k++) {
+    const hc_param *param = &table->params[k];
+    if (param->hidden || (solver && param->solver && strcmp(solver, param->solver) != 0)) continue;
+    const row made = make_row(param, prefix);
+    for (int c = 0; c < COLUMNS; c++) {
+      const int length = (int)strlen(made.text[c]);
+      if (!out && width[c] < length) width[c] = length;
+      if (out) fprintf(out, "%-*s  ", width[c], made.text[c]);
+    }
+    if (out) fprintf(out, "%s\n", made.sentence);
+    if (param->kind == HC_PARAM_LIST) {
+      char inner[COLUMN_TEXT];
+      snprintf(inner, sizeof inner, "%s%s[].", prefix, param->path);
+      visit(param->items, inner, solver, width, out);
+    }
+  }
+}
+
+hc_status hc_params_print(FILE *out, const char *solver, hc_error *error) {
+  const hc_param *method = hc_params_find(&hc_params_scene, "solver.method");
+  HC_CHECK(method && method->choices, "the parameter table has no solver.method");
+  bool known = !solver;
+  for (const hc_choice *choice = method->choices; choice->name; choice++)
+    if (solver && strcmp(solver, choice->name) == 0) known = true;
+  if (!known) {
+    char names[COLUMN_TEXT];
+    hc_params_choices_text(method->choices, names, sizeof names);
+    return hc_error_set(error, HC_BAD_INPUT, "unknown solver '%s'; known: %s", solver, names);
+  }
+  static const row head = {{"key", "type", "unit", "default", "range"}, "meaning"};
+  int width[COLUMNS];
+  for (int c = 0; c < COLUMNS; c++) width[c] = (int)strlen(head.text[c]);
+  visit(&hc_params_scene, "", solver, width, NULL);
+  for (int c = 0; c < COLUMNS; c++) fprintf(out, "%-*s  ", width[c], head.text[c]);
+  fprintf(out, "%s\n", head.sentence);
+  visit(&hc_params_scene, "", solver, width, out);
+  return HC_OK;
+}

@@ -1,0 +1,95 @@
+/* The parameter table: what every scene key is called, holds and means (rows: params.def).
+ *
+ * Reader, writer and `halocline keys` walk these tables; there is no second list of keys. */
+#ifndef HC_PARAMS_H
+#define HC_PARAMS_H
+
+#include "halocline/error.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+typedef enum hc_param_kind {
+  HC_PARAM_BOOL,   /* bool or bool[N] */
+  HC_PARAM_INT,    /* int */
+  HC_PARAM_INT64,  /* int64_t or int64_t[N] */
+  HC_PARAM_NUMBER, /* double or double[N], finite */
+  HC_PARAM_TEXT,   /* char[N] */
+  HC_PARAM_CHOICE, /* an enumeration */
+  HC_PARAM_FLAGS,  /* unsigned: a list of choices, or-ed */
+  HC_PARAM_NAMES,  /* char[][HC_PARAM_NAME_SIZE] and a count: names the caller knows (hc_scene_limits) */
+  HC_PARAM_LIST,   /* pointer and count: maps, each read by the table `items` */
+} hc_param_kind;
+
+enum { HC_PARAM_NAME_SIZE = 32, HC_PARAM_PATH = 192 };
+
+typedef struct hc_choice {
+  const char *name; /* null ends the list */
+  int value;
+} hc_choice;
+
+typedef struct hc_range {
+  double low, high;
+  bool above_low; /* low itself is outside */
+} hc_range;
+
+typedef struct hc_param_table hc_param_table;
+
+typedef struct hc_param {
+  const char *path; /* from the table's root, maps joined by dots */
+  hc_param_kind kind;
+  size_t offset, size; /* of the member in the table's struct */
+  const char *unit;
+  const char *fallback;      /* the default as YAML text, or null */
+  const char *fallback_note; /* the default for people, where `fallback` is null or does not say it all */
+  hc_range range;
+  const char *range_note; /* a constraint on other keys, checked in rules.c */
+  const char *sentence;
+  const hc_choice *choices; /* CHOICE, FLAGS */
+  const char *zero_word;    /* NUMBER: the word that stands for zero */
+  const hc_param_table *items;
+  size_t count_offset; /* NAMES, LIST: of the int that counts */
+  const char *solver;  /* the solver method whose key it is; null: of all */
+  int variant;         /* 1 + index of the only variant of the table that has this key; 0: all have it */
+  bool hidden;         /* a test hook: accepted, but not in `halocline keys` */
+} hc_param;
+
+struct hc_param_table {
+  const hc_param *params;
+  int count;
+  size_t size; /* of the struct */
+  /* Alternatives of which an item has exactly one, each a map of that name; null: none. */
+  const char *const *variants;
+  size_t variant_offset; /* of the int that holds the variant's index */
+};
+
+extern const hc_param_table hc_params_scene;
+
+/* Components: 1 for a scalar. */
+int hc_params_length(const hc_param *param);
+
+/* True for a key that must be given (in items of its variant). */
+bool hc_params_required(const hc_param *param);
+
+/* The row of `path`, or null. */
+const hc_param *hc_params_find(const hc_param_table *table, const char *path);
+
+/* True if `path` is a map that holds keys. */
+bool hc_params_is_map(const hc_param_table *table, const char *path);
+
+/* The constraint of a row's range, such as "> 0" or "in [0, 1]"; empty if there is none. */
+void hc_params_range_text(const hc_param *param, char *text, size_t size);
+
+/* The names of a null-ended list of choices: "a, b, c". */
+void hc_params_choices_text(const hc_choice *choices, char *text, size_t size);
+
+/* A number in the fewest digits that read back to the same double; the same in every locale. */
+enum { HC_PARAM_NUMBER_TEXT = 32 };
+void hc_params_number_text(double value, char text[static HC_PARAM_NUMBER_TEXT]);
+
+/* Prints every key with type, unit, default, range and sentence; with `solver`, only keys that matter to that
+ * method. Null prints all. HC_BAD_INPUT if no solver is called so. Local. */
+hc_status hc_params_print(FILE *out, const char *solver, hc_error *error);
+
+#endif

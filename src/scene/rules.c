@@ -1,0 +1,143 @@
+#include "rules.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+static const char axes[] = "xyz";
+
+static bool is_given(const hc_given *given, const char *path) {
+  return hc_given_value_of(given, path)->node != NULL;
+}
+
+static bool is_bad(const hc_given *given, const char *path) {
+  return hc_given_value_of(given, path)->bad;
+}
+
+/* A key that other keys make required. */
+static void require(const hc_given *given, const char *path, const char *reason, hc_complaints *complaints) {
+  if (is_given(given, path) || is_bad(given, path)) return;
+  hc_complaints_add(complaints, given->place, "missing key '%s%s', required %s", given->prefix, path, reason);
+}
+
+/* `max` above `min` along the wanted axes (null: all). */
+static void check_box(const hc_given *given, const char *low, const char *high, const double min[3],
+                      const double max[3], const bool wanted[3], hc_complaints *complaints) {
+  if (is_bad(given, low) || is_bad(given, high) || !is_given(given, low) || !is_given(given, high)) return;
+  for (int k = 0; k < 3; k++) {
+    if ((wanted && !wanted[k]) || max[k] > min[k]) continue;
+    char low_text[HC_PARAM_NUMBER_TEXT], high_text[HC_PARAM_NUMBER_TEXT];
+    hc_params_number_text(min[k], low_text);
+    hc_params_number_text(max[k], high_text);
+    hc_complaints_add(complaints, hc_given_place_of(given, high), "%s%s must be > %s along %c, not %s <= %s",
+                      given->prefix, high, low, axes[k], high_text, low_text);
+  }
+}
+
+/* The file's name without folder and extension. */
+static void name_scene(hc_scene *scene, const char *file_name) {
+  const char *slash = strrchr(file_name, '/');
+  const char *start = slash ? slash + 1 : file_name;
+  const char *dot = strrchr(start, '.');
+  size_t length = dot && dot > start ? (size_t)(dot - start) : strlen(start);
+  if (length >= sizeof scene->name) length = sizeof scene->name - 1;
+  /* A file may be called anything, a scene's name must be text. */
+  for (size_t k = 0; k < length;) {
+    const int bytes = hc_complaints_character(start + k, length - k);
+    if (bytes <= 0 || (unsigned char)start[k] < ' ') {
+      scene->name[k++] = '_';
+      continue;
+    }
+    memcpy(scene->name + k, start + k, (size_t)bytes);
+    k += (size_t)bytes;
+  }
+  if (length == 0) strcpy(scene->name, "scene");
+}
+
+static void check_support(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  if (is_bad(given, "particle_spacing") || is_bad(given, "support_radius")) return;
+  const double spacing = scene->particle_spacing;
+  if (!is_given(given, "support_radius")) scene->support_radius = 2 * spacing;
+  /* Room for the rounding of decimal fractions: 0.03 is 1.5 spacings of 0.02. */
+  const double ratio = scene->support_radius / spacing;
+  if (ratio >= 1.5 * (1 - 4 * DBL_EPSILON) && ratio <= 4 * (1 + 4 * DBL_EPSILON) && isfinite(4 * spacing))
+    return;
+  char radius[HC_PARAM_NUMBER_TEXT], times[HC_PARAM_NUMBER_TEXT];
+  hc_params_number_text(scene->support_radius, radius);
+  hc_params_number_text(ratio, times);
+  hc_complaints_add(complaints, hc_given_place_of(given, "support_radius"),
+                    "support_radius must be 1.5 to 4 particle_spacing, not %s (%s particle_spacing)", radius,
+                    times);
+}
+
+static void check_domain(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  const bool *periodic = scene->domain.periodic;
+  if (is_bad(given, "domain.periodic") || !(periodic[0] || periodic[1] || periodic[2])) return;
+  require(given, "domain.min", "along periodic axes", complaints);
+  require(given, "domain.max", "along periodic axes", complaints);
+  check_box(given, "domain.min", "domain.max", scene->domain.min, scene->domain.max, periodic, complaints);
+}
+
+static void check_iterations(const hc_given *given, const char *low, const char *high,
+                             hc_iterations iterations, hc_complaints *complaints) {
+  if (is_bad(given, low) || is_bad(given, high) || iterations.min <= iterations.max) return;
+  const char *which = is_given(given, high) ? high : low;
+  hc_complaints_add(complaints, hc_given_place_of(given, which), "%s must be <= %s, not %d > %d", low, high,
+                    iterations.min, iterations.max);
+}
+
+static void check_block(const hc_block *block, const hc_given *given, hc_complaints *complaints) {
+  check_box(given, "box.min", "box.max", block->box.min, block->box.max, NULL, complaints);
+  if (is_bad(given, "flow.type") || block->flow.type == HC_FLOW_NONE) return;
+  require(given, "flow.speed", "with a flow.type", complaints);
+  require(given, "flow.length", "with a flow.type", complaints);
+}
+
+/* To unit length; one that has it already keeps its bits, so that a written scene reads back the same. */
+static void normalize(hc_wall *wall, const hc_given *given, hc_complaints *complaints) {
+  if (!is_given(given, "plane.normal") || is_bad(given, "plane.normal")) return;
+  double *n = wall->normal;
+  const double largest = fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2])));
+  if (largest == 0.0) {
+    hc_complaints_add(complaints, hc_given_place_of(given, "plane.normal"),
+                      "%splane.normal must not be zero, not [0, 0, 0]", given->prefix);
+    return;
+  }
+  const double squared = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  if (fabs(squared - 1.0) <= 8 * DBL_EPSILON) return;
+  /* Scaled first: squares of extreme components would over- or underflow. */
+  for (int k = 0; k < 3; k++) n[k] /= largest;
+  const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  for (int k = 0; k < 3; k++) n[k] /= length;
+}
+
+static void check_wall(hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
+  hc_wall *wall = &scene->boundary.walls[index];
+  check_box(given, "box.min", "box.max", wall->box.min, wall->box.max, NULL, complaints);
+  normalize(wall, given, complaints);
+  if (is_bad(given, "name")) return;
+  if (!is_given(given, "name")) snprintf(wall->name, sizeof wall->name, "wall_%d", index);
+  for (int k = 0; k < index; k++)
+    if (strcmp(scene->boundary.walls[k].name, wall->name) == 0)
+      hc_complaints_add(complaints, hc_given_place_of(given, "name"),
+                        "%sname must be the wall's own, not '%s' like wall %d", given->prefix, wall->name, k);
+}
+
+void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_name,
+                    hc_complaints *complaints) {
+  if (!is_given(given, "name")) name_scene(scene, file_name);
+  check_support(scene, given, complaints);
+  check_domain(scene, given, complaints);
+  check_iterations(given, "solver.density_iterations.min", "solver.density_iterations.max",
+                   scene->solver.density_iterations, complaints);
+  check_iterations(given, "solver.divergence_iterations.min", "solver.divergence_iterations.max",
+                   scene->solver.divergence_iterations, complaints);
+  if (!is_bad(given, "time_step.control") && scene->time_step.control == HC_TIME_CONSTANT)
+    require(given, "time_step.size", "with time_step.control constant", complaints);
+  const hc_given_value *blocks = hc_given_value_of(given, "fluid.blocks");
+  for (int k = 0; k < blocks->item_count; k++)
+    if (!blocks->items[k].bad) check_block(&scene->fluid.blocks[k], &blocks->items[k], complaints);
+  const hc_given_value *walls = hc_given_value_of(given, "boundary.walls");
+  for (int k = 0; k < walls->item_count; k++)
+    if (!walls->items[k].bad) check_wall(scene, k, &walls->items[k], complaints);
+}

@@ -1,0 +1,11 @@
+#include "scene.h"
+
+#include "base/memory.h"
+
+#include <string.h>
+
+void hc_scene_free(hc_scene *scene) {
+  hc_free(scene->fluid.blocks);
+  hc_free(scene->boundary.walls);
+  memset(scene, 0, sizeof *scene);
+}

@@ -1,0 +1,41 @@
+#include "rest_lattice.h"
+
+#include "base/check.h"
+
+#include <math.h>
+
+static double kernel(double q) {
+  const double sigma = 8 / 3.14159265358979323846;
+  if (q >= 1) return 0;
+  if (q > 0.5) return 2 * sigma * (1 - q) * (1 - q) * (1 - q);
+  return sigma * (6 * q * q * (q - 1) + 1);
+}
+
+/* Sum of W h^3 over the plane of the lattice that lies `layer` spacings away. */
+static double plane_sum(double spacing_over_h, int layer) {
+  const int reach = (int)(1 / spacing_over_h) + 1;
+  double sum = 0;
+  for (int j = -reach; j <= reach; j++)
+    for (int i = -reach; i <= reach; i++)
+      sum += kernel(spacing_over_h * sqrt((double)(i * i + j * j + layer * layer)));
+  return sum;
+}
+
+/* Sum over the planes `from` to the reach of the kernel. */
+static double half_sum(double spacing_over_h, int from) {
+  HC_CHECK(spacing_over_h >= 1.0 / 64 && spacing_over_h < 1,
+           "spacing must be from 1/64 to below 1 support radius, got %g", spacing_over_h);
+  const int reach = (int)(1 / spacing_over_h) + 1;
+  double sum = 0;
+  for (int layer = reach; layer >= from; layer--) sum += plane_sum(spacing_over_h, layer);
+  return sum;
+}
+
+double hc_setup_rest_lattice_sum(double spacing_over_h) {
+  return half_sum(spacing_over_h, 0) + half_sum(spacing_over_h, 1);
+}
+
+double hc_setup_wall_factor(double spacing_over_h) {
+  const double half = half_sum(spacing_over_h, 0), all = hc_setup_rest_lattice_sum(spacing_over_h);
+  return (1 - half / all) * plane_sum(spacing_over_h, 0) / plane_sum(spacing_over_h, 1);
+}

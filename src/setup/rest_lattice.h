@@ -1,0 +1,21 @@
+/* Kernel sums over the rest lattice: what particle mass and wall volumes are derived from.
+ *
+ * Kernel: cubic spline of support radius h (Monaghan 1992), W = s (6 (q^3 - q^2) + 1) for q = r/h <= 1/2,
+ * 2 s (1 - q)^3 up to 1, s = 8 / (pi h^3). The rest lattice is cubic with the particle spacing as edge. */
+#ifndef HC_REST_LATTICE_H
+#define HC_REST_LATTICE_H
+
+/* Sum of W h^3 over the rest lattice seen from one of its points, its own share included; 1 /
+ * spacing_over_h^3 to 3e-5 at a spacing of h/2. Particle mass = rest density * mass factor * h^3 / this.
+ * `spacing_over_h` from 1/64 to below 1. Local; the same bits everywhere. */
+double hc_setup_rest_lattice_sum(double spacing_over_h);
+
+/* The wall factor gamma in V_b = gamma / sum of W over boundary particles (own share included) for which a
+ * resting lattice one spacing from a flat square lattice of boundary particles has exactly the rest density:
+ * gamma = (1 - S_half / S) S_plane0 / S_plane1, with S the sum above, S_half that over the half lattice seen
+ * from its first layer, S_plane0 and S_plane1 those over a plane lattice through the point and one spacing
+ * away. Exact only for flat walls: edges come out at 0.994 of the rest density, corners at 0.986 (spacing
+ * h/2). Range as above. */
+double hc_setup_wall_factor(double spacing_over_h);
+
+#endif

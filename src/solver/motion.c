@@ -1,0 +1,147 @@
+/* What every solver does around its pressure: non-pressure forces and the move. */
+#include "solver.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A displacement or position of more than this many units is no water any more. */
+static const double FARTHEST_MOVE = 0x1p40;
+static const int64_t WORLD_END = (int64_t)1 << 60;
+
+void hc_remember_velocities(hc_world *world) {
+  hc_particles *fluid = &world->fluid;
+  for (int32_t k = 0; k < fluid->own; k++)
+    for (int axis = 0; axis < 3; axis++) fluid->acceleration[3 * (size_t)k + axis] = fluid->motion[k].v[axis];
+}
+
+static void viscous_change(hc_world *world, const hc_solver_settings *settings, double dt, float *change) {
+  const hc_sweep *sweep = &world->sweep;
+  const int32_t own = world->fluid.own;
+  const double h = world->frame.support_radius, coefficient = settings->viscosity_coefficient;
+  switch (settings->viscosity) {
+  case HC_VISCOUS_NONE:
+    memset(change, 0, 3 * (size_t)own * sizeof *change);
+    break;
+  case HC_VISCOUS_XSPH:
+    world->sweeps->xsph(sweep, (float)coefficient, change, 0, own);
+    break;
+  case HC_VISCOUS_LAMINAR:
+    world->sweeps->laminar(sweep, (float)(coefficient * dt), change, 0, own);
+    break;
+  case HC_VISCOUS_ARTIFICIAL:
+    world->sweeps->artificial(sweep, (float)(coefficient * h * settings->sound_speed * dt), change, 0, own);
+    break;
+  }
+}
+
+/* v += change + dt gravity for own particles [begin, end). */
+static void accelerate(hc_particles *fluid, const float *change, const double gravity[3], double dt,
+                       int32_t begin, int32_t end) {
+  for (int32_t k = begin; k < end; k++) {
+    for (int axis = 0; axis < 3; axis++) {
+      double *velocity = &fluid->velocity[3 * (size_t)k + axis];
+      *velocity += (double)change[3 * (size_t)k + axis] + dt * gravity[axis];
+      fluid->motion[k].v[axis] = (float)*velocity;
+    }
+  }
+}
+
+/* Largest acceleration of gravity and viscosity. XSPH is left out: it smooths velocities, it is not a force.
+ */
+static double largest_force(const hc_world *world, const hc_solver_settings *settings, double dt,
+                            const float *change) {
+  double largest = 0.0;
+  const bool viscous =
+      settings->viscosity == HC_VISCOUS_LAMINAR || settings->viscosity == HC_VISCOUS_ARTIFICIAL;
+  const int32_t own = viscous ? world->fluid.own : world->fluid.own > 0;
+  for (int32_t k = 0; k < own; k++) {
+    double square = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+      const double force =
+          settings->gravity[axis] + (viscous ? (double)change[3 * (size_t)k + axis] / dt : 0.0);
+      square += force * force;
+    }
+    if (square > largest) largest = square;
+  }
+  return sqrt(largest);
+}
+
+void hc_apply_forces(hc_world *world, const hc_solver_settings *settings, double dt, hc_step_report *report) {
+  hc_particles *fluid = &world->fluid;
+  float *change = hc_particles_scratch(fluid, 3 * sizeof *change);
+  viscous_change(world, settings, dt, change);
+  accelerate(fluid, change, settings->gravity, dt, 0, fluid->border);
+  hc_halo_begin(&world->halo, HC_HALO_VELOCITY);
+  accelerate(fluid, change, settings->gravity, dt, fluid->border, fluid->own);
+  report->force_max = largest_force(world, settings, dt, change);
+  hc_halo_end(&world->halo);
+}
+
+/* What moving adds up on one rank. */
+typedef struct move_totals {
+  hc_sum energy[2]; /* v^2, gravity . x */
+  double v2_max, a2_max;
+  uint64_t bad; /* smallest id of a particle that cannot be moved, or UINT64_MAX */
+} move_totals;
+
+static bool move_particle(const hc_frame *frame, int64_t position[3], const double velocity[3], double dt) {
+  for (int axis = 0; axis < 3; axis++) {
+    const double units = velocity[axis] * dt / frame->unit[axis];
+    if (!(fabs(units) < FARTHEST_MOVE)) return false;
+    const int64_t moved = position[axis] + llrint(units);
+    if (moved > WORLD_END || moved < -WORLD_END) return false;
+    position[axis] = hc_frame_wrap(frame, axis, moved);
+  }
+  return true;
+}
+
+static void move_all(hc_world *world, const hc_solver_settings *settings, double dt, move_totals *totals) {
+  hc_particles *fluid = &world->fluid;
+  for (int32_t k = 0; k < fluid->own; k++) {
+    int64_t *position = &fluid->position[3 * (size_t)k];
+    const double *velocity = &fluid->velocity[3 * (size_t)k];
+    float *acceleration = &fluid->acceleration[3 * (size_t)k];
+    if (!move_particle(&world->frame, position, velocity, dt) && fluid->id[k] < totals->bad)
+      totals->bad = fluid->id[k];
+    double v2 = 0.0, a2 = 0.0, work = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+      const double a = (velocity[axis] - (double)acceleration[axis]) / dt;
+      acceleration[axis] = (float)a;
+      v2 += velocity[axis] * velocity[axis];
+      a2 += a * a;
+      work += settings->gravity[axis] * hc_frame_to_metres(&world->frame, axis, position[axis]);
+    }
+    hc_sum_add(&totals->energy[0], v2);
+    hc_sum_add(&totals->energy[1], work);
+    if (v2 > totals->v2_max) totals->v2_max = v2;
+    if (a2 > totals->a2_max) totals->a2_max = a2;
+  }
+}
+
+hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, hc_step_report *report,
+                  hc_error *error) {
+  move_totals totals;
+  memset(&totals, 0, sizeof totals);
+  totals.bad = UINT64_MAX;
+  move_all(world, settings, dt, &totals);
+
+  int64_t bad = totals.bad > INT64_MAX ? INT64_MAX : (int64_t)totals.bad;
+  hc_comm_min_i64(world->comm, &bad, 1);
+  if (bad != INT64_MAX)
+    return hc_error_set(
+        error, HC_FAILED,
+        "the simulation diverged: the velocity of particle %lld is no number or carries it out of "
+        "the world within one step of %g s",
+        (long long)bad, dt);
+  hc_comm_sum_exact(world->comm, totals.energy, 2);
+  double maxima[3] = {totals.v2_max, totals.a2_max, report->force_max};
+  hc_comm_max_f64(world->comm, maxima, 3);
+  report->kinetic_energy = 0.5 * world->mass * hc_sum_value(&totals.energy[0]);
+  report->potential_energy = -world->mass * hc_sum_value(&totals.energy[1]);
+  report->v_max = sqrt(maxima[0]);
+  report->a_max = sqrt(maxima[1]);
+  report->force_max = maxima[2];
+  return HC_OK;
+}

@@ -1,0 +1,133 @@
+#include "world.h"
+
+#include "base/memory.h"
+
+#include <string.h>
+
+void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *settings) {
+  memset(world, 0, sizeof *world);
+  hc_stopwatch_start(&world->watch);
+  world->comm = comm;
+  world->frame = settings->frame;
+  world->mass = settings->mass;
+  world->volume_factor = settings->volume_factor;
+  world->boundary_ops = settings->boundary_ops;
+  hc_domain_init(&world->domain, comm, &world->frame);
+  hc_particles_init(&world->fluid, HC_FLUID);
+  hc_particles_init(&world->boundary, HC_BOUNDARY);
+  hc_cells_init(&world->cells);
+  hc_cells_init(&world->boundary_cells);
+  hc_halo_init(&world->halo, &world->domain, &world->fluid);
+  hc_halo_init(&world->boundary_halo, &world->domain, &world->boundary);
+  hc_neighbor_search_init(&world->search, settings->isa);
+  hc_neighbors_init(&world->list);
+  hc_neighbors_init(&world->walls);
+  world->sweeps = hc_sweeps_of(settings->isa);
+  world->sweep =
+      hc_sweep_make(&world->frame, settings->mass / settings->rest_density, settings->rest_density);
+  world->sweep.fluid = &world->fluid;
+  world->sweep.boundary = &world->boundary;
+  world->sweep.list = &world->list;
+  world->sweep.walls = &world->walls;
+}
+
+void hc_world_free(hc_world *world) {
+  hc_halo_free(&world->halo);
+  hc_halo_free(&world->boundary_halo);
+  hc_neighbors_free(&world->list);
+  hc_neighbors_free(&world->walls);
+  hc_neighbor_search_free(&world->search);
+  hc_cells_free(&world->cells);
+  hc_cells_free(&world->boundary_cells);
+  hc_particles_free(&world->fluid);
+  hc_particles_free(&world->boundary);
+  hc_domain_free(&world->domain);
+}
+
+/* Sorts a store's own particles and gives it its ghosts. */
+static void sort_and_halo(hc_world *world, hc_particles *particles, hc_cells *cells, hc_halo *halo) {
+  hc_stopwatch_enter(&world->watch, HC_STAGE_SORT);
+  hc_cells_bin(cells, particles);
+  hc_halo_mark(halo, cells);
+  hc_cells_order(cells, particles);
+  hc_stopwatch_enter(&world->watch, HC_STAGE_HALO);
+  hc_halo_build(halo, cells);
+}
+
+/* Boundary particles stand still: cells, ghosts and volumes hold until the next rebalance. */
+static void place_boundary(hc_world *world) {
+  hc_domain_migrate(&world->domain, &world->boundary);
+  sort_and_halo(world, &world->boundary, &world->boundary_cells, &world->boundary_halo);
+  hc_neighbors list;
+  hc_neighbors_init(&list);
+  hc_neighbors_build(&list, &world->search, &world->boundary_cells, &world->boundary, &world->boundary_cells,
+                     &world->boundary);
+  world->boundary_ops->prepare(world->sweeps, &world->sweep, &world->boundary, &list, world->volume_factor);
+  hc_neighbors_free(&list);
+  hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
+}
+
+double hc_world_rebalance(hc_world *world) {
+  hc_stopwatch_enter(&world->watch, HC_STAGE_BALANCE);
+  const double imbalance = hc_domain_balance(&world->domain, &world->fluid, &world->boundary);
+  place_boundary(world);
+  return imbalance;
+}
+
+double hc_world_settle(hc_world *world) {
+  int64_t totals[2] = {world->fluid.own, world->boundary.own};
+  hc_comm_sum_i64(world->comm, totals, 2);
+  world->fluid_total = totals[0];
+  world->boundary_total = totals[1];
+  return hc_world_rebalance(world);
+}
+
+static void refresh_motion(hc_particles *fluid) {
+  for (int32_t k = 0; k < fluid->own; k++)
+    for (int axis = 0; axis < 3; axis++)
+      fluid->motion[k].v[axis] = (float)fluid->velocity[3 * (size_t)k + axis];
+}
+
+void hc_world_update(hc_world *world) {
+  hc_stopwatch_enter(&world->watch, HC_STAGE_MIGRATE);
+  hc_domain_migrate(&world->domain, &world->fluid);
+  sort_and_halo(world, &world->fluid, &world->cells, &world->halo);
+  hc_stopwatch_enter(&world->watch, HC_STAGE_LISTS);
+  refresh_motion(&world->fluid);
+  hc_neighbors_build(&world->list, &world->search, &world->cells, &world->fluid, &world->cells,
+                     &world->fluid);
+  hc_neighbors_build(&world->walls, &world->search, &world->cells, &world->fluid, &world->boundary_cells,
+                     &world->boundary);
+}
+
+static bool near_fluid(const hc_cells *fluid, const int32_t adjacent[HC_ADJACENT], int cell) {
+  const int part[3] = {cell & 3, cell >> HC_BRICK_BITS & 3, cell >> (2 * HC_BRICK_BITS)};
+  for (int way = 0; way < HC_ADJACENT; way++) {
+    const int next[3] = {part[0] + way % 3 - 1, part[1] + way / 3 % 3 - 1, part[2] + way / 9 - 1};
+    const int brick_way = (next[0] + HC_BRICK_EDGE) / HC_BRICK_EDGE +
+                          3 * ((next[1] + HC_BRICK_EDGE) / HC_BRICK_EDGE) +
+                          9 * ((next[2] + HC_BRICK_EDGE) / HC_BRICK_EDGE);
+    const int32_t brick = adjacent[brick_way];
+    if (brick >= 0 && fluid->count[brick][hc_cell_in_brick(next[0] & 3, next[1] & 3, next[2] & 3)] > 0)
+      return true;
+  }
+  return false;
+}
+
+double hc_world_active_boundary(hc_world *world) {
+  const hc_cells *walls = &world->boundary_cells;
+  int64_t active = 0;
+  int32_t brick = -1, adjacent[HC_ADJACENT];
+  bool any = false;
+  for (int32_t k = 0; k < walls->own_cell_count; k++) {
+    const int32_t slot = walls->own_cells[k];
+    if (slot / HC_BRICK_CELLS != brick) {
+      brick = slot / HC_BRICK_CELLS;
+      any = hc_cells_around(&world->cells, walls->bricks[brick], adjacent);
+    }
+    const int cell = slot % HC_BRICK_CELLS;
+    if (any && near_fluid(&world->cells, adjacent, cell)) active += walls->count[brick][cell];
+  }
+  hc_comm_sum_i64(world->comm, &active, 1);
+  return world->boundary_total > 0 ? (double)active / (double)world->boundary_total : 0.0;
+}

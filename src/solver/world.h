@@ -1,0 +1,55 @@
+/* The world of a run as one rank holds it: particles, cells, halos and lists, and how they are kept current.
+ */
+#ifndef HC_WORLD_H
+#define HC_WORLD_H
+
+#include "base/stopwatch.h"
+#include "boundary/boundary.h"
+#include "domain/halo.h"
+
+typedef struct hc_world {
+  hc_comm *comm;
+  hc_frame frame;
+  hc_domain domain;
+  hc_particles fluid, boundary;
+  hc_cells cells, boundary_cells;
+  hc_halo halo, boundary_halo;
+  hc_neighbor_search search;
+  hc_neighbors list, walls; /* fluid -> fluid, fluid -> boundary */
+  const hc_sweeps *sweeps;
+  hc_sweep sweep;
+  const hc_boundary_ops *boundary_ops;
+  double volume_factor;
+  double mass; /* kg, of a fluid particle */
+  int64_t fluid_total, boundary_total;
+  hc_stopwatch watch;
+} hc_world;
+
+/* What a world is made of, besides its particles. */
+typedef struct hc_world_settings {
+  hc_frame frame;
+  double rest_density, mass, volume_factor; /* kg/m3, kg, see boundary.h */
+  const hc_boundary_ops *boundary_ops;
+  hc_isa isa; /* the same on every rank */
+} hc_world_settings;
+
+/* An empty world; the caller fills fluid and boundary, on any rank, then calls hc_world_settle. Local. */
+void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *settings);
+void hc_world_free(hc_world *world);
+
+/* First decomposition, totals, boundary volumes. Afterwards particles are with their owners; call
+ * hc_world_update. Collective. Returns the imbalance reached. */
+double hc_world_settle(hc_world *world);
+
+/* A new decomposition: cuts, moves all particles, boundary lists. Call hc_world_update afterwards.
+ * Collective. */
+double hc_world_rebalance(hc_world *world);
+
+/* After fluid particles have moved: migrate, sort, ghosts, neighbour lists. Collective.
+ * Afterwards place of own and ghost particles is current; motion of own ones too, of ghosts not. */
+void hc_world_update(hc_world *world);
+
+/* Share of all boundary particles that lie in or next to a cell with fluid. Collective. */
+double hc_world_active_boundary(hc_world *world);
+
+#endif

@@ -1,0 +1,82 @@
+/* The occupied part of the unbounded cell grid, as one rank sees it.
+ *
+ * Cells are grouped in bricks of 4 x 4 x 4; only bricks that hold a particle (own or ghost) exist, found
+ * through a hash table, so memory follows the particles and not the extent of the world. A cell's own
+ * particles are one range of the particle arrays, ids ascending; so are a ghost cell's. */
+#ifndef HC_CELLS_H
+#define HC_CELLS_H
+
+#include "frame.h"
+#include "particles/particles.h"
+
+enum {
+  HC_BRICK_BITS = 2,
+  HC_BRICK_EDGE = 1 << HC_BRICK_BITS,
+  HC_BRICK_CELLS = HC_BRICK_EDGE * HC_BRICK_EDGE * HC_BRICK_EDGE, /* a 64-bit mask has a bit for each */
+  HC_ADJACENT = 27,
+  HC_ADJACENT_SELF = 13
+};
+
+/* A brick's integer coordinates: cell coordinates >> HC_BRICK_BITS. The world ends where these do, 2^31
+ * bricks from the origin. */
+typedef struct hc_brick {
+  int32_t x[3];
+} hc_brick;
+
+typedef struct hc_cells {
+  int32_t brick_count;
+  hc_brick *bricks;
+  uint64_t *border;                 /* bit per cell: own cells next to another rank's or an image's */
+  int32_t (*begin)[HC_BRICK_CELLS]; /* first particle of each cell, */
+  int32_t (*count)[HC_BRICK_CELLS]; /* and how many */
+  int32_t *own_cells;               /* occupied own cells as brick * 64 + cell, in memory order */
+  int32_t own_cell_count;
+  int32_t *table; /* open addressing: brick index or -1 */
+  uint32_t table_mask;
+  size_t brick_capacity[4], own_cells_capacity;
+  int32_t *slot,
+      *order; /* work space of the sort: brick * 64 + cell of each own particle, and its new order */
+  size_t slot_capacity, order_capacity;
+} hc_cells;
+
+static inline int hc_cell_in_brick(int x, int y, int z) {
+  return x | y << HC_BRICK_BITS | z << (2 * HC_BRICK_BITS);
+}
+
+/* The brick and the cell in it that hold a position. */
+static inline int hc_cell_of(const int64_t position[3], hc_brick *brick) {
+  int part[3];
+  for (int axis = 0; axis < 3; axis++) {
+    const int64_t cell = hc_frame_cell(position[axis]);
+    brick->x[axis] = (int32_t)(cell >> HC_BRICK_BITS);
+    part[axis] = (int)(cell & (HC_BRICK_EDGE - 1));
+  }
+  return hc_cell_in_brick(part[0], part[1], part[2]);
+}
+
+static inline bool hc_brick_equal(hc_brick a, hc_brick b) {
+  return a.x[0] == b.x[0] && a.x[1] == b.x[1] && a.x[2] == b.x[2];
+}
+
+void hc_cells_init(hc_cells *cells);
+void hc_cells_free(hc_cells *cells);
+
+/* The brick's index, or -1; the second form adds the brick with empty cells if it is new. Local. */
+int32_t hc_cells_find(const hc_cells *cells, hc_brick brick);
+int32_t hc_cells_insert(hc_cells *cells, hc_brick brick);
+
+/* The indices of the 27 bricks around `brick` and itself (x fastest), -1 where there is none; false if all
+ * are. */
+bool hc_cells_around(const hc_cells *cells, hc_brick brick, int32_t adjacent[HC_ADJACENT]);
+
+/* The sort, in two halves, between which the caller may set border bits of the occupied cells. Local.
+ * Bin: forgets everything and finds each own particle's cell. Order: permutes the particles into border cells
+ * first, then the others, each row-major (z, y, x), ids ascending in a cell; sets begin, count, own_cells,
+ * particles->border; fills particles->place. No ghosts afterwards. */
+void hc_cells_bin(hc_cells *cells, const hc_particles *particles);
+void hc_cells_order(hc_cells *cells, hc_particles *particles);
+
+/* Fills `place` of own particles from their positions, scalar 0. Local. */
+void hc_place_refresh(hc_particles *particles);
+
+#endif

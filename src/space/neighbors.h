@@ -1,0 +1,63 @@
+/* Neighbour lists: for every own particle the particles of a source set within the support radius.
+ *
+ * Compressed rows in groups of eight entries; the last group is filled up with any valid entry, and sweeps
+ * mask those lanes by `count`, unless the particle itself, which fills up the lists of a set into itself,
+ * adds nothing. Order: the 27 cells around with x outermost, then z, then y, ids ascending within a cell: the
+ * canonical order of every sum over neighbours. */
+#ifndef HC_NEIGHBORS_H
+#define HC_NEIGHBORS_H
+
+#include "base/isa.h"
+#include "cells.h"
+
+enum { HC_LIST_GROUP = 8, HC_NEIGHBOR_SLACK = 32 };
+
+typedef struct hc_neighbors {
+  uint32_t *start; /* own + 1 entries: particle i has groups [start[i], start[i + 1]) of eight entries */
+  uint32_t *
+      offset; /* 16 * index: the place of the neighbour's record in bytes; sixteen readable ones at the end */
+  uint16_t *count; /* neighbours without the padding */
+  int64_t pairs;   /* sum of count */
+  size_t start_capacity, offset_capacity, count_capacity;
+} hc_neighbors;
+
+void hc_neighbors_init(hc_neighbors *list);
+void hc_neighbors_free(hc_neighbors *list);
+
+/* What a build works with, kept between builds for its memory. */
+typedef struct hc_neighbor_search {
+  hc_isa isa;
+  int32_t *xy, *z; /* candidates, packed: positions cut to 16 bits, see neighbors_isa.c */
+  uint32_t *offset;
+  size_t candidate_capacity;
+  int32_t (*adjacent)[HC_ADJACENT]; /* per target brick: the source's bricks around it, or -1 */
+  size_t adjacent_capacity;
+} hc_neighbor_search;
+
+void hc_neighbor_search_init(hc_neighbor_search *search, hc_isa isa);
+void hc_neighbor_search_free(hc_neighbor_search *search);
+
+/* Builds the list of own particles of `target` into all particles (own and ghosts) of `source`, which may be
+ * the same: then a particle is no neighbour of itself. `place` of both must be current. Local. Before: cells
+ * ordered, ghosts entered. After: list->start[own] groups. */
+void hc_neighbors_build(hc_neighbors *list, hc_neighbor_search *search, const hc_cells *target_cells,
+                        const hc_particles *target, const hc_cells *source_cells, const hc_particles *source);
+
+/* The loops that differ between instruction sets (neighbors_isa.c). */
+typedef struct hc_neighbor_loops {
+  /* Appends records [begin, begin + count) to the candidates at `end`. May read and write HC_NEIGHBOR_SLACK
+   * further. */
+  void (*append)(hc_neighbor_search *search, int32_t end, const hc_record *place, int32_t begin,
+                 int32_t count);
+  /* Writes the rows of particles [first, first + count) from candidates [begin, end) at list->offset + used,
+   * where there must be room for all candidates and HC_NEIGHBOR_SLACK more for each. `same`: a particle is
+   * not its own neighbour. Returns the new `used`. */
+  size_t (*rows)(hc_neighbors *list, const hc_neighbor_search *search, int32_t begin, int32_t end,
+                 const hc_record *place, int32_t first, int32_t count, bool same, size_t used);
+} hc_neighbor_loops;
+
+const hc_neighbor_loops *hc_neighbor_loops_portable(void);
+const hc_neighbor_loops *hc_neighbor_loops_avx2(void);
+const hc_neighbor_loops *hc_neighbor_loops_avx512(void);
+
+#endif

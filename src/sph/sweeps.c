@@ -1,0 +1,24 @@
+#include "sweeps.h"
+
+#include "base/check.h"
+
+const hc_sweeps *hc_sweeps_of(hc_isa isa) {
+#if defined(__x86_64__)
+  if (isa == HC_ISA_AVX2) return hc_sweeps_avx2();
+  if (isa == HC_ISA_AVX512) return hc_sweeps_avx512();
+#endif
+  HC_CHECK(isa == HC_ISA_PORTABLE, "instruction set %d is not for this processor", isa);
+  return hc_sweeps_portable();
+}
+
+hc_sweep hc_sweep_make(const hc_frame *frame, double volume, double rest_density) {
+  const double h = frame->support_radius;
+  const double sigma = 8.0 / 3.14159265358979323846;
+  hc_sweep sweep = {.support = (float)h,
+                    .volume = (float)volume,
+                    .kernel = (float)(sigma / (h * h * h)),
+                    .gradient = (float)(sigma / (h * h * h * h)),
+                    .rest_density = (float)rest_density};
+  for (int axis = 0; axis < 3; axis++) sweep.scale[axis] = (float)(frame->unit[axis] / h);
+  return sweep;
+}

@@ -1,0 +1,90 @@
+/* The pair sweeps: loops over own particles and their neighbours. They know no ranks and no solver, only
+ * arrays.
+ *
+ * Kernel: cubic spline (Monaghan 1992) with support radius h, q = r/h,
+ *   W = 8/(pi h^3) * (2 (1 - q)^3 - 8 (1/2 - q)^3), each bracket clamped at 0 from below.
+ * Inside the loops lengths are in support radii; densities and errors are fractions of the rest density, so
+ * masses enter as volumes: V = m/rho0 for fluid, V_b for boundary particles. Pair arithmetic is single
+ * precision, eight neighbours at a time, summed in a fixed tree; velocities are updated in double precision.
+ *
+ * Each sweep covers own particles [begin, end), which may be the border, the interior, or all. */
+#ifndef HC_SWEEPS_H
+#define HC_SWEEPS_H
+
+#include "base/exact_sum.h"
+#include "base/isa.h"
+#include "space/neighbors.h"
+
+/* What all sweeps of a step read. */
+typedef struct hc_sweep {
+  float scale[3];     /* 1 / support radius of one unit along each axis */
+  float support;      /* m */
+  float volume;       /* V, m3 */
+  float kernel;       /* 8/(pi h^3), 1/m3 */
+  float gradient;     /* 8/(pi h^4), 1/m4 */
+  float rest_density; /* kg/m3 */
+  hc_particles *fluid;
+  const hc_particles *boundary; /* place.scalar is V_b */
+  const hc_neighbors *list;     /* fluid -> fluid */
+  const hc_neighbors *walls;    /* fluid -> boundary */
+} hc_sweep;
+
+/* How the error sweep weighs: e_i = of_density (D_i - 1) + of_rate dD_i/dt. */
+typedef struct hc_error_rule {
+  float of_density, of_rate;
+  int min_neighbors; /* fluid and boundary; with fewer the error counts as 0 */
+  bool signed_error; /* keep negative errors too */
+} hc_error_rule;
+
+/* What an error sweep adds up. */
+typedef struct hc_error_total {
+  hc_sum sum;
+  float max;
+} hc_error_total;
+
+/* Viscosity as the sweeps see it: velocity change = weight * sum, see each sweep. */
+typedef struct hc_sweeps {
+  /* density = rho0 (V sum W + sum_b V_b W), motion.scalar = 1/D, wall_gradient B = sum_b V_b grad W,
+   * alpha = 1/(|V sum grad W + B|^2 + V^2 sum |grad W|^2), 0 where the denominator vanishes.
+   * Akinci et al. 2012; Bender and Koschier 2015, eq. 9; the squared sum runs over fluid neighbours only. */
+  void (*density)(const hc_sweep *sweep, int32_t begin, int32_t end);
+
+  /* dD/dt = V sum (v_i - v_j) . grad W + v_i . B, then by the rule the error e_i, clamped at 0 from below
+   * unless signed, and place.scalar = alpha_i e_i. Adds e_i to the total. Carensac et al. 2023, eq. 2 and
+   * algorithms 3, 4. */
+  void (*error)(const hc_sweep *sweep, const hc_error_rule *rule, int32_t begin, int32_t end,
+                hc_error_total *total);
+
+  /* v_i -= weight (V sum (kappa_i + kappa_j) grad W + kappa_i B) with kappa = place.scalar; multiplier_i +=
+   * kappa_i. Carensac et al. 2023, eq. 1. */
+  void (*pressure)(const hc_sweep *sweep, float weight, float *multiplier, int32_t begin, int32_t end);
+
+  /* change_i = weight sum V (1/D_i + 1/D_j)/2 (v_j - v_i) W: XSPH (Schechter and Bridson 2012), symmetric in
+   * i and j so that it conserves momentum. */
+  void (*xsph)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
+
+  /* change_i = weight sum V 2 (v_i - v_j) (x_ij . grad W)/(r^2 + 0.01 h^2), boundary neighbours with V_b and
+   * at rest included: laminar viscosity (Morris et al. 1997) at rest density; weight = nu dt. */
+  void (*laminar)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
+
+  /* change_i = weight sum V min(0, v_ij . x_ij)/(r^2 + 0.01 h^2) grad W, boundary likewise: artificial
+   * viscosity (Monaghan 1992) at rest density; weight = alpha h c dt. */
+  void (*artificial)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
+
+  /* boundary->place.scalar = volume = factor / (W(0) + sum_b W) over boundary neighbours. Akinci et al. 2012,
+   * eq. 4. */
+  void (*boundary_volume)(const hc_sweep *sweep, hc_particles *boundary, const hc_neighbors *list,
+                          float factor);
+} hc_sweeps;
+
+/* The sweeps compiled for an instruction set. */
+const hc_sweeps *hc_sweeps_of(hc_isa isa);
+
+const hc_sweeps *hc_sweeps_portable(void);
+const hc_sweeps *hc_sweeps_avx2(void);
+const hc_sweeps *hc_sweeps_avx512(void);
+
+/* Kernel constants for a support radius and particle volume; the arrays are left null. */
+hc_sweep hc_sweep_make(const hc_frame *frame, double volume, double rest_density);
+
+#endif

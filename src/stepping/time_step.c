@@ -1,0 +1,38 @@
+#include "time_step.h"
+
+#include <math.h>
+
+static void shrink(double *dt, double limit, hc_step_bound reason, hc_step_bound *bound) {
+  if (limit < *dt) {
+    *dt = limit;
+    *bound = reason;
+  }
+}
+
+double hc_time_step_next(const hc_step_settings *settings, double time, double dt_before,
+                         const hc_step_report *report, hc_step_bound *bound) {
+  *bound = HC_BOUND_SIZE;
+  double dt = settings->control == HC_STEP_CONSTANT ? settings->size : settings->max;
+  if (settings->control == HC_STEP_CFL) {
+    if (report->v_max > 0.0)
+      shrink(&dt, settings->factor * settings->spacing / report->v_max, HC_BOUND_VELOCITY, bound);
+    if (report->force_max > 0.0)
+      shrink(&dt, 0.25 * sqrt(settings->support_radius / report->force_max), HC_BOUND_FORCE, bound);
+    if (settings->viscosity > 0.0)
+      shrink(&dt, 0.125 * settings->support_radius * settings->support_radius / settings->viscosity,
+             HC_BOUND_VISCOUS, bound);
+    if (dt_before > 0.0) shrink(&dt, 1.1 * dt_before, HC_BOUND_GROWTH, bound);
+  }
+  /* The last step ends the run on time; a sliver that rounding would leave behind is taken along. */
+  if (time + dt * (1.0 + 1e-9) >= settings->end_time) {
+    dt = settings->end_time - time;
+    *bound = HC_BOUND_END;
+  }
+  return dt;
+}
+
+const char *hc_step_bound_name(hc_step_bound bound) {
+  static const char *const names[] = {"largest step", "velocity", "force",
+                                      "viscosity",    "growth",   "end of run"};
+  return names[bound];
+}

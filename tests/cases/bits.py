@@ -1,0 +1,87 @@
+#!/usr/bin/python3
+"""The same bits on any number of ranks, and anywhere in the world.
+
+Runs scenes on several numbers of ranks and expects the same snapshots (halocline diff) and the same steps.csv, byte
+for byte. The first difference is shown.
+"""
+
+from pathlib import Path
+
+import case as c
+
+DAM = "scenes/dam_break.yaml"
+SMALL = ("particle_spacing=0.05", "support_radius=0.1", "output.snapshots.every=0.05")  # 2000 fluid particles
+
+
+def compare(case, one, other):
+    """Two runs agree in steps.csv and in every snapshot; returns the number of snapshots."""
+    c.expect_same_text(one / "steps.csv", other / "steps.csv")
+    first, second = c.snapshots(one), c.snapshots(other)
+    names = [p.name for p in first], [p.name for p in second]
+    c.expect(names[0] == names[1], f"different snapshots: {one} has {names[0]}, {other} has {names[1]}")
+    for a, b in zip(first, second):
+        case.diff(a, b)
+    return len(first)
+
+
+def ranks_agree(case, scene, ranks, settings, steps):
+    name = Path(scene).stem
+    runs = [case.run(scene, f"{name}_{n}", n, settings, ["--steps", steps]) for n in ranks]
+    done = len(c.steps(runs[0]))
+    c.expect(done == steps, f"{scene}: asked for {steps} steps, steps.csv has {done}")
+    count = min(compare(case, runs[0], run) for run in runs[1:])
+    return f"{steps} steps and {count} snapshots are the same on {', '.join(map(str, ranks))} ranks"
+
+
+def dam_break(case, steps):
+    return ranks_agree(case, DAM, (1, 2, 3, 4, 7), SMALL, steps or 60)
+
+
+def vortices(case, steps):
+    """Periodic on all axes."""
+    return ranks_agree(case, "tests/cases/vortices.yaml", (1, 4), (), steps or 30)
+
+
+def rebalanced(case, steps):
+    """A rebalance in the middle, forced by the test hook, changes nothing."""
+    steps = steps or 60
+    plain = case.run(DAM, "rebalance_none", 3, (*SMALL, "parallel.rebalance=none"), ["--steps", steps])
+    forced = case.run(DAM, "rebalance_forced", 3, (*SMALL, f"parallel.rebalance_at={steps // 2}"), ["--steps", steps])
+    compare(case, plain, forced)
+    load = (forced / "load.csv").read_text(encoding="utf-8")
+    c.expect("rebalance" in load, f"{forced}/load.csv tells of no rebalance, though one was forced")
+    return f"{steps} steps with and without a forced rebalance are the same"
+
+
+def far_away(case, steps):
+    """A scene shifted by whole cells: its own coordinates do not change, so neither does anything else."""
+    steps = steps or 60
+    here = case.run(DAM, "here", 2, SMALL, ["--steps", steps])
+    there = case.run(DAM, "there", 2, (*SMALL, "origin_cells=[1000000,1000000,1000000]"), ["--steps", steps])
+    compare(case, here, there)
+    return f"{steps} steps a million cells away are the same"
+
+
+def instruction_sets(case, steps):
+    """AVX2 against the best of this machine (the same run twice where AVX2 is the best)."""
+    steps = steps or 60
+    best = case.run(DAM, "best", 2, SMALL, ["--steps", steps])
+    avx2 = case.run(DAM, "avx2", 2, SMALL, ["--steps", steps], {"HALOCLINE_ISA": "avx2"})
+    compare(case, best, avx2)
+    return f"{steps} steps with AVX2 and with the machine's best instructions are the same"
+
+
+def diff_sees(case, steps):
+    """The comparison itself: two moments of one run are different, and a missing file cannot be compared."""
+    output = case.run(DAM, "diff", 2, SMALL, ["--steps", steps or 20])
+    found = c.snapshots(output)
+    c.expect(len(found) >= 2, f"{output}: one snapshot only")
+    case.call(["diff", found[0], found[0]], expected=0)
+    case.call(["diff", found[0], found[-1]], expected=1)
+    case.call(["diff", found[0], output / "none.hdf"], expected=2)
+    return "halocline diff tells the same, the different and the unreadable apart"
+
+
+if __name__ == "__main__":
+    c.main(__doc__, {"dam_break": dam_break, "vortices": vortices, "rebalanced": rebalanced, "far_away": far_away,
+                     "instruction_sets": instruction_sets, "diff_sees": diff_sees})

@@ -1,0 +1,120 @@
+"""What the whole-program tests share: running halocline on some ranks, reading what it left, failing loudly."""
+
+import argparse
+import csv
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[2]
+MPI_ENVIRONMENT = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_mpi_yield_when_idle": "1",
+    "OMPI_MCA_hwloc_base_binding_policy": "none",
+}
+
+
+class CaseFailed(Exception):
+    """A test case that found what should not be; the text says what."""
+
+
+def expect(condition, text):
+    if not condition:
+        raise CaseFailed(text)
+
+
+class Case:
+    """One invocation of a driver: the program under test, the launcher, and a folder for the runs."""
+
+    def __init__(self, halocline, mpiexec, folder):
+        self.halocline = str(Path(halocline).resolve())
+        self.mpiexec = shlex.split(mpiexec)
+        self.folder = Path(folder)
+
+    def call(self, arguments, ranks=1, expected=0, timeout=600, environment=None):
+        """Runs the program; any exit code but the expected one is a failure that shows the output."""
+        command = [*self.mpiexec, "-n", str(ranks), self.halocline, *map(str, arguments)]
+        environment = {**MPI_ENVIRONMENT, **os.environ, **(environment or {})}
+        try:
+            done = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT, text=True, errors="replace", timeout=timeout, check=False)
+        except subprocess.TimeoutExpired as error:
+            shown = error.stdout.decode(errors="replace") if isinstance(error.stdout, bytes) else error.stdout or ""
+            raise CaseFailed(f"{shlex.join(command)}\nno end after {timeout} s\n{shown[-4000:]}") from error
+        if done.returncode != expected:
+            raise CaseFailed(f"{shlex.join(command)}\nexit code {done.returncode}, expected {expected}\n"
+                             f"{done.stdout[-6000:]}")
+        return done.stdout
+
+    def run(self, scene, name, ranks=1, settings=(), options=(), environment=None):
+        """halocline run of a scene (a path in the source tree); returns the output directory."""
+        output = self.folder / name
+        arguments = ["run", SOURCE / scene, "-o", output, "--force", "--quiet"]
+        for setting in settings:
+            arguments += ["--set", setting]
+        self.call([*arguments, *options], ranks, environment=environment)
+        return output
+
+    def diff(self, one, other):
+        """halocline diff of two snapshots; a difference is a failure."""
+        self.call(["diff", one, other])
+
+
+def snapshots(output):
+    found = sorted((output / "snapshots").glob("snap_*.hdf"))
+    expect(found, f"no snapshots in {output}")
+    return found
+
+
+def steps(output):
+    """steps.csv as a list of dictionaries of text."""
+    with open(output / "steps.csv", newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def expect_same_text(one, other):
+    """Two text files byte for byte; the first line that differs is shown."""
+    a, b = one.read_bytes(), other.read_bytes()
+    if a == b:
+        return
+    lines = zip(a.decode(errors="replace").splitlines(), b.decode(errors="replace").splitlines())
+    for number, (left, right) in enumerate(lines, 1):
+        if left != right:
+            raise CaseFailed(f"{one} and {other} differ in line {number}:\n  {left}\n  {right}")
+    raise CaseFailed(f"{one} and {other} differ in length: {len(a)} and {len(b)} bytes")
+
+
+def main(description, cases):
+    """Command line of a driver: `cases` maps a name to a function of (Case, quick)."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("halocline", nargs="?", default=os.environ.get("HALOCLINE", SOURCE / "build/release/halocline"),
+                        help="the program (default: $HALOCLINE, else build/release/halocline)")
+    parser.add_argument("--mpiexec", default=os.environ.get("MPIEXEC", "mpirun"), help="the launcher (default: mpirun)")
+    parser.add_argument("--case", action="append", choices=list(cases), help="only this one (may be repeated)")
+    parser.add_argument("--steps", type=int, help="steps of each run, instead of the case's own number")
+    parser.add_argument("--keep", type=Path, metavar="DIR", help="leave the runs in DIR")
+    options = parser.parse_args()
+    if not os.access(options.halocline, os.X_OK):
+        parser.error(f"{options.halocline} is not a program")
+
+    folder = options.keep or Path(tempfile.mkdtemp(prefix="halocline_case_"))
+    folder.mkdir(parents=True, exist_ok=True)
+    case = Case(options.halocline, options.mpiexec, folder)
+    failed = 0
+    try:
+        for name in options.case or cases:
+            try:
+                print(f"{name}: {cases[name](case, options.steps)}", flush=True)
+            except CaseFailed as error:
+                failed += 1
+                print(f"{name}: FAILED\n{error}\n", flush=True)
+    finally:
+        if options.keep is None:
+            shutil.rmtree(folder, ignore_errors=True)
+    sys.exit(1 if failed else 0)

@@ -1,0 +1,90 @@
+#!/usr/bin/python3
+"""Physics that can be known beforehand, in small runs of the program. Needs h5py and numpy."""
+
+import h5py
+import numpy as np
+
+import case as c
+
+# The scene free_fall as its file has it; the test does not read the file, so that the two check each other.
+FALL = {"gravity": (0.0, 0.0, -9.81), "velocity": (1.0, 0.5, 3.0), "dt": 0.002}
+TANK = ((0.0, 0.0, 0.0), (2.0, 0.5, 2.0))
+
+
+def read(path):
+    """A snapshot, fluid only, in order of the ids."""
+    with h5py.File(path, "r") as file:
+        data = file["VTKHDF/PointData"]
+        fluid = data["kind"][:] == 0
+        ids = data["id"][:][fluid]
+        order = np.argsort(ids)
+        about = file["Halocline"].attrs
+        result = {"id": ids[order], "points": file["VTKHDF/Points"][:][fluid][order], "step": int(about["step"]),
+                  "time": float(about["time"]), "unit": np.broadcast_to(about["unit"], 3)}
+        for name in ("velocity", "density", "pressure"):
+            result[name] = data[name][:][fluid][order]
+    c.expect(len(np.unique(ids)) == len(ids), f"{path}: two particles have one id")
+    for name in ("points", "velocity", "density", "pressure"):
+        c.expect(np.all(np.isfinite(result[name])), f"{path}: {name} is not finite everywhere")
+    return result
+
+
+def free_fall(case, steps):
+    """Symplectic Euler in closed form: v_n = v0 + n g dt, x_n = x0 + n v0 dt + g dt^2 n (n + 1) / 2."""
+    steps = steps or 100
+    output = case.run("scenes/free_fall.yaml", "free_fall", 2, ("output.snapshots.every=0.02",), ["--steps", steps])
+    found = [read(path) for path in c.snapshots(output)]
+    start = found[0]
+    c.expect(start["step"] == 0, f"the first snapshot is of step {start['step']}")
+    c.expect(found[-1]["step"] == steps, f"the last snapshot is of step {found[-1]['step']}, asked for {steps}")
+    v0, g, dt = np.array(FALL["velocity"]), np.array(FALL["gravity"]), FALL["dt"]
+    worst = 0.0
+    for moment in found:
+        n = moment["step"]
+        at = f"step {n}"
+        c.expect(np.array_equal(moment["id"], start["id"]), f"{at}: other particles than at the start")
+        c.expect(np.all(moment["pressure"] == 0),
+                 f"{at}: pressure up to {np.abs(moment['pressure']).max()} Pa, expected exactly 0")
+        # Each step may round a position by half a unit of the grid, and a velocity by its last bit.
+        velocity = np.abs(moment["velocity"] - (v0 + n * g * dt)).max()
+        c.expect(velocity <= (n + 1) * 4e-15, f"{at}: velocity off by {velocity} m/s")
+        expected = start["points"] + n * v0 * dt + g * dt**2 * n * (n + 1) / 2
+        off = np.abs(moment["points"] - expected).max(axis=0)
+        bound = (n / 2 + 1) * moment["unit"] + 1e-14
+        c.expect(np.all(off <= bound), f"{at}: position off by {off} m, rounding allows {bound} m")
+        worst = max(worst, off.max())
+    return f"{len(found)} moments of {len(start['id'])} particles lie within {worst:.1e} m of the closed form"
+
+
+def dam_break(case, steps):
+    """No particle is lost, none leaves the tank, the density stays near that of water, no energy appears."""
+    steps = steps or 400
+    spacing = 0.05
+    settings = (f"particle_spacing={spacing}", f"support_radius={2 * spacing}")
+    output = case.run("scenes/dam_break.yaml", "dam_break", 2, settings, ["--steps", steps])
+    found = [read(path) for path in c.snapshots(output)]
+    count = len(found[0]["id"])
+    expected = round(0.5 * 0.5 * 1.0 / spacing**3)
+    c.expect(count == expected, f"{count} fluid particles, the block holds {expected}")
+    low, high = np.array(TANK[0]), np.array(TANK[1])
+    for moment in found:
+        at = f"t = {moment['time']:.3f} s"
+        c.expect(np.array_equal(moment["id"], found[0]["id"]), f"{at}: other particles than at the start")
+        outside = np.flatnonzero(np.any((moment["points"] < low) | (moment["points"] > high), axis=1))
+        c.expect(len(outside) == 0, f"{at}: {len(outside)} particles outside the tank, the first at "
+                                    f"{moment['points'][outside[:1]]}, id {moment['id'][outside[:1]]}")
+    rows = c.steps(output)
+    for row in rows:
+        c.expect(int(row["fluid_particles"]) == count, f"step {row['step']}: {row['fluid_particles']} fluid particles")
+        threshold = 1e-4
+        c.expect(float(row["density_error_avg"]) <= threshold or row["event"],
+                 f"step {row['step']}: average density error {row['density_error_avg']} above {threshold}, no event")
+    energy = [float(r["kinetic_energy"]) + float(r["potential_energy"]) for r in rows]
+    c.expect(max(energy) <= 1.01 * energy[0], f"total energy rises from {energy[0]} J to {max(energy)} J")
+    caps = sum(1 for r in rows if "cap" in r["event"])
+    return (f"{count} particles stay in the tank for {float(rows[-1]['time']):.2f} s, energy falls from "
+            f"{energy[0]:.0f} J to {energy[-1]:.0f} J, iteration caps in {caps} of {len(rows)} steps")
+
+
+if __name__ == "__main__":
+    c.main(__doc__, {"free_fall": free_fall, "dam_break": dam_break})

@@ -1,0 +1,499 @@
+/* The scene room: defaults, every kind of error with its text, overrides, round trip, keys. */
+#include "scene/params.h"
+#include "scene/reader.h"
+#include "scene/scene.h"
+#include "scene/writer.h"
+
+#include <check.h>
+#include <glob.h>
+#include <locale.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define SMALLEST "particle_spacing: 0.02\nend_time: 2\n"
+
+static const char *const fields[] = {"id", "velocity", "density", "pressure"};
+static const hc_scene_limits limits = {fields, 4};
+
+/* Reads `text` with up to one override (may be null). */
+static hc_status read_with(hc_scene *scene, const char *text, const char *override, hc_error *error) {
+  return hc_scene_read_text(scene, "folder/t.yaml", text, strlen(text), &override, override ? 1 : 0, &limits,
+                            error);
+}
+
+static hc_scene read_good(const char *text, const char *override) {
+  hc_scene scene;
+  hc_error error = {.text = ""};
+  const hc_status status = read_with(&scene, text, override, &error);
+  ck_assert_msg(status == HC_OK, "%s", error.text);
+  return scene;
+}
+
+/* The whole text of the error must be `expected`. */
+static void refuse_text(const char *text, const char *override, const char *expected) {
+  hc_scene scene;
+  hc_error error = {.text = ""};
+  ck_assert_int_eq(read_with(&scene, text, override, &error), HC_BAD_INPUT);
+  ck_assert_int_eq(error.status, HC_BAD_INPUT);
+  ck_assert_str_eq(error.text, expected);
+  ck_assert_ptr_null(scene.fluid.blocks);
+  ck_assert_ptr_null(scene.boundary.walls);
+}
+
+/* One error; `message` begins with line and column, which say what source line and caret follow. */
+static void refuse(const char *text, const char *message) {
+  int line = 0, column = 0;
+  ck_assert_int_eq(sscanf(message, "%d:%d", &line, &column), 2);
+  const char *shown = text;
+  for (int k = 1; k < line; k++) shown = strchr(shown, '\n') + 1;
+  char expected[2048];
+  snprintf(expected, sizeof expected, "folder/t.yaml:%s\n%.*s\n%*s", message, (int)strcspn(shown, "\n"),
+           shown, column, "^");
+  refuse_text(text, NULL, expected);
+}
+
+/* One error in a line below the smallest scene; `message` begins with the column. */
+static void refuse_line(const char *line, const char *message) {
+  char text[1024], placed[1024];
+  snprintf(text, sizeof text, SMALLEST "%s\n", line);
+  snprintf(placed, sizeof placed, "3:%s", message);
+  refuse(text, placed);
+}
+
+static void refuse_set(const char *override, const char *message) {
+  char expected[1024];
+  snprintf(expected, sizeof expected, "--set %s: %s", override, message);
+  refuse_text(SMALLEST, override, expected);
+}
+
+/* All bytes but the pointers. */
+static void expect_same(const hc_scene *a, const hc_scene *b) {
+  ck_assert_int_eq(a->fluid.block_count, b->fluid.block_count);
+  ck_assert_int_eq(a->boundary.wall_count, b->boundary.wall_count);
+  const size_t block_bytes = (size_t)a->fluid.block_count * sizeof *a->fluid.blocks;
+  const size_t wall_bytes = (size_t)a->boundary.wall_count * sizeof *a->boundary.walls;
+  if (block_bytes) ck_assert_mem_eq(a->fluid.blocks, b->fluid.blocks, block_bytes);
+  if (wall_bytes) ck_assert_mem_eq(a->boundary.walls, b->boundary.walls, wall_bytes);
+  hc_scene left, right;
+  memcpy(&left, a, sizeof left);
+  memcpy(&right, b, sizeof right);
+  left.fluid.blocks = right.fluid.blocks = NULL;
+  left.boundary.walls = right.boundary.walls = NULL;
+  ck_assert_mem_eq(&left, &right, sizeof left);
+}
+
+START_TEST(test_defaults) {
+  static const char spelled_out[] =
+      "name: t\n"
+      "particle_spacing: 0.02\n"
+      "support_radius: 0.04\n"
+      "gravity: [0, 0, -9.81]\n"
+      "end_time: 2\n"
+      "origin_cells: [0, 0, 0]\n"
+      "domain: {periodic: [false, false, false], min: [0, 0, 0], max: [0, 0, 0]}\n"
+      "fluid: {rest_density: 1000, viscosity: {model: xsph, coefficient: 0.02, sound_speed: 0},\n"
+      "        mass_factor: 1, blocks: []}\n"
+      "boundary: {method: akinci2012, volume_factor: computed, walls: []}\n"
+      "solver: {method: dfsph, density_error_avg: 0.0001, divergence_error: 0.001,\n"
+      "         density_iterations: {min: 2, max: 100}, divergence_iterations: {min: 3, max: 100},\n"
+      "         warm_start: 0.5, min_divergence_neighbors: 20, negative_pressure: false}\n"
+      "time_step: {control: cfl, factor: 0.4, max: 0.004}\n"
+      "output: {snapshots: {every: 0.05, fields: [velocity, density, pressure]}}\n"
+      "parallel: {decomposition: slabs, rebalance: slabs, rebalance_above: 1.1, rebalance_at: 0}\n";
+  hc_scene scene = read_good(SMALLEST, NULL), same = read_good(spelled_out, NULL);
+  expect_same(&scene, &same);
+  ck_assert_double_eq(scene.support_radius, 0.04);
+  ck_assert_double_eq(scene.gravity[2], -9.81);
+  ck_assert_double_eq(scene.boundary.volume_factor, 0.0);
+  hc_scene_free(&scene);
+  hc_scene_free(&same);
+}
+END_TEST
+
+/* Every key differs from its default. */
+static const char full[] =
+    "# a comment\n"
+    "name: 'käse \"1\" \\ x'\n"
+    "particle_spacing: 0.1\n"
+    "support_radius: 0.33333333333333337\n"
+    "gravity: [1e-3, -0.0, 3.]\n"
+    "end_time: +1.5e+1\n"
+    "origin_cells: [1073741824, -1073741824, +7]\n"
+    "domain: {periodic: [true, false, true], min: [0.1, 0, -1], max: [2, 0, .7]}\n"
+    "fluid:\n"
+    "  rest_density: 997.1\n"
+    "  viscosity: {model: artificial, coefficient: 0.08, sound_speed: 44.3}\n"
+    "  mass_factor: 0.98\n"
+    "  blocks:\n"
+    "  - box: &b {min: [0, 0, 0], max: [0.5, 0.25, 1]}\n"
+    "  - {box: *b, velocity: [1, 2, 3],\n"
+    "     flow: {type: taylor_green, speed: 1.25, length: 0.6}}\n"
+    "boundary:\n"
+    "  volume_factor: 0.72\n"
+    "  walls:\n"
+    "  - {box: {min: [0, 0, 0], max: [2, 1, 1]}, open: [+z, -x]}\n"
+    "  - {name: post, box: {min: [1, 0, 0], max: [1.1, 1, 1]}, inside: solid}\n"
+    "  - plane: {point: [1, 2, 3], normal: [3, 0, -4], size: [5, 6]}\n"
+    "  - plane: {point: [1, 2, 3], normal: [1e200, 1e200, 1e-200], size: [5, 6]}\n"
+    "solver: {density_error_avg: 2e-5, divergence_error: 3e-4, density_iterations: {min: 4, max: 4},\n"
+    "  divergence_iterations: {min: 0, max: 1}, warm_start: 1, min_divergence_neighbors: 0,\n"
+    "  negative_pressure: true}\n"
+    "time_step: {control: constant, size: 1e-4, factor: 0.3, max: 1}\n"
+    "output: {snapshots: {every: 0, fields: [id]}}\n"
+    "parallel: {rebalance: none, rebalance_above: 1, rebalance_at: 12}\n";
+
+START_TEST(test_values) {
+  hc_scene scene = read_good(full, NULL);
+  ck_assert_str_eq(scene.name, "käse \"1\" \\ x");
+  ck_assert(signbit(scene.gravity[1]) != 0);
+  ck_assert_double_eq(scene.end_time, 15.0);
+  ck_assert_int_eq(scene.origin_cells[1], -1073741824);
+  ck_assert_int_eq(scene.fluid.viscosity.model, HC_VISCOSITY_ARTIFICIAL);
+  ck_assert_double_eq(scene.fluid.blocks[1].box.max[1], 0.25); /* the alias */
+  ck_assert_double_eq(scene.fluid.blocks[1].velocity[2], 3.0);
+  ck_assert_int_eq(scene.fluid.blocks[1].flow.type, HC_FLOW_TAYLOR_GREEN);
+  const hc_wall *walls = scene.boundary.walls;
+  ck_assert_str_eq(walls[0].name, "wall_0");
+  ck_assert_uint_eq(walls[0].open, HC_FACE_PLUS_Z | HC_FACE_MINUS_X);
+  ck_assert_str_eq(walls[1].name, "post");
+  ck_assert_int_eq(walls[1].inside, HC_INSIDE_SOLID);
+  ck_assert_int_eq(walls[2].type, HC_WALL_PLANE);
+  ck_assert_double_eq_tol(walls[2].normal[2], -0.8, 1e-15);
+  ck_assert_double_eq_tol(walls[3].normal[0], sqrt(0.5), 1e-15);
+  ck_assert_int_eq(scene.parallel.rebalance_at, 12);
+  hc_scene_free(&scene);
+}
+END_TEST
+
+typedef struct pair {
+  const char *given, *message;
+} pair;
+
+START_TEST(test_errors_in_a_line) {
+  static const pair cases[] = {
+      {"gravty: [0, 0, -1]", "1: unknown key 'gravty'; did you mean 'gravity'?"},
+      {"rest_density: 998", "1: unknown key 'rest_density'; did you mean 'fluid.rest_density'?"},
+      {"time_step: {maxx: 1}", "13: unknown key 'time_step.maxx'; did you mean 'time_step.max'?"},
+      {"solvr: {}", "1: unknown key 'solvr'; did you mean 'solver'?"},
+      {"bodies: []", "1: unknown key 'bodies'"},
+      {"fluid: {blocks: [{box: {min: [0,0,0], max: [1,1,1]}, velocit: 1}]}",
+       "54: unknown key 'fluid.blocks[0].velocit'; did you mean 'fluid.blocks[0].velocity'?"},
+      {"solver.warm_start: 1", "1: unknown key 'solver.warm_start': write nested maps, not dots"},
+      {"warm_start: 1", "1: unknown key 'warm_start'; did you mean 'solver.warm_start'?"},
+      {"support_radius: abc", "17: support_radius must be a number, not 'abc'"},
+      {"support_radius: \"0.04\"", "17: support_radius must be a number, not the text '0.04'"},
+      {"support_radius: 0x1", "17: support_radius must be a number, not '0x1'"},
+      {"support_radius: 1,5", "17: support_radius must be a number, not '1,5'"},
+      {"support_radius:", "1: support_radius must be a number, not nothing"},
+      {"gravity: [0, 0]", "10: gravity must be a list of 3 numbers, not a list of 2"},
+      {"gravity: [0, x, 0]", "14: gravity[1] must be a number, not 'x'"},
+      {"solver: {min_divergence_neighbors: 2.5}",
+       "36: solver.min_divergence_neighbors must be an integer, not '2.5'"},
+      {"solver: {negative_pressure: yes}", "29: solver.negative_pressure must be true or false, not 'yes'"},
+      {"fluid: 5", "8: fluid must be a map, not '5'"},
+      {"fluid: {blocks: [7]}", "18: fluid.blocks[0] must be a map, not '7'"},
+      {"fluid: {blocks: [{box: 1}]}", "24: fluid.blocks[0].box must be a map, not '1'"},
+      {"name: [a]", "7: name must be text, not a list of 1"},
+      {"name: \"a\\nb\"", "7: name must be one line of text without control characters, not the text 'a...'"},
+      {"boundary: {volume_factor: compute}",
+       "27: boundary.volume_factor must be a number or the word computed, not 'compute'"},
+      {"fluid: {viscosity: {model: xspf}}", "28: fluid.viscosity.model must be one of none, xsph, "
+                                            "artificial, laminar (nearest: xsph), not 'xspf'"},
+      {"output: {snapshots: {fields: [density, speed]}}",
+       "40: output.snapshots.fields[1] must be one of id, velocity, density, pressure, not 'speed'"},
+      {"output: {snapshots: {fields: [density, density]}}",
+       "40: output.snapshots.fields[1] must be named once, not 'density'"},
+      {"boundary: {walls: [{box: {min: [0,0,0], max: [1,1,1]}, open: [top]}]}",
+       "63: boundary.walls[0].open[0] must be one of -x, +x, -y, +y, -z, +z, not 'top'"},
+      {"fluid: {mass_factor: 1.2}", "22: fluid.mass_factor must be in [0.9, 1], not '1.2'"},
+      {"support_radius: .inf", "17: support_radius must be finite, not '.inf'"},
+      {"gravity: [0, 0, -.NaN]", "17: gravity[2] must be finite, not '-.NaN'"},
+      {"gravity: [0, 0, 1e999]", "17: gravity[2] must be finite, below 1.8e308, not '1e999'"},
+      {"solver: {density_iterations: {min: 99999999999}}",
+       "36: solver.density_iterations.min must be an integer of at most 2147483647, not '99999999999'"},
+      {"origin_cells: [0, 99999999999999999999, 0]",
+       "19: origin_cells[1] must be in [-1073741824, 1073741824], not '99999999999999999999'"},
+      {"boundary: {volume_factor: 0}", "27: boundary.volume_factor must be > 0 or computed, not '0'"},
+      {"support_radius: 0.02",
+       "17: support_radius must be 1.5 to 4 particle_spacing, not 0.02 (1 particle_spacing)"},
+      {"solver: {density_iterations: {min: 5, max: 4}}",
+       "44: solver.density_iterations.min must be <= solver.density_iterations.max, not 5 > 4"},
+      {"domain: {periodic: [true, false, false], min: [1, 0, 0], max: [1, 0, 0]}",
+       "63: domain.max must be > domain.min along x, not 1 <= 1"},
+      {"fluid: {blocks: [{box: {min: [0,0,0], max: [1,-0.5,1]}}]}",
+       "44: fluid.blocks[0].box.max must be > box.min along y, not -0.5 <= 0"},
+      {"boundary: {walls: [{}]}", "20: boundary.walls[0] must have exactly one of box, plane; it has none"},
+      {"boundary: {walls: [{plane: {point: [0,0,0], normal: [0,0,0], size: [1,1]}}]}",
+       "53: boundary.walls[0].plane.normal must not be zero, not [0, 0, 0]"},
+      {"boundary: {walls: [{inside: solid, plane: {point: [0,0,0], normal: [0,0,1], size: [1,1]}}]}",
+       "29: boundary.walls[0].inside is a key of box, not of plane"},
+      {"fluid: {blocks: [{box: {min: [0,0,0]}}]}", "18: missing required key 'fluid.blocks[0].box.max'"},
+      {"fluid: {blocks: [{box: {min: [0,0,0], max: [1,1,1]}, flow: {type: taylor_green, speed: 1}}]}",
+       "18: missing key 'fluid.blocks[0].flow.length', required with a flow.type"},
+      {"end_time: 3", "1: duplicate key 'end_time', first given on line 2"},
+      {"time_step: {max: 1, factor: 0.1, max: 2}",
+       "34: duplicate key 'time_step.max', first given on line 3"},
+  };
+  for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) refuse_line(cases[k].given, cases[k].message);
+  hc_scene scene = read_good(SMALLEST "support_radius: 0.03\n", NULL); /* 1.5 spacings, but for rounding */
+  hc_scene_free(&scene);
+}
+END_TEST
+
+START_TEST(test_errors_elsewhere) {
+  refuse("particle_spacing: -0.02\nend_time: 1", "1:19: particle_spacing must be > 0, not '-0.02'");
+  refuse(SMALLEST "boundary:\n  walls:\n  - {box: {min: [0,0,0], max: [1,1,1]}, plane: {size: [1,1]}}\n",
+         "5:5: boundary.walls[0] must have exactly one of box, plane; it has box and plane");
+  refuse(SMALLEST "boundary:\n  walls:\n  - {name: a, box: {min: [0,0,0], max: [1,1,1]}}\n"
+                  "  - {name: a, box: {min: [0,0,0], max: [1,1,1]}}\n",
+         "6:12: boundary.walls[1].name must be the wall's own, not 'a' like wall 0");
+  refuse("# no time\nparticle_spacing: 1\n", "2:1: missing required key 'end_time'");
+  refuse(SMALLEST "time_step: {control: constant}\n",
+         "1:1: missing key 'time_step.size', required with time_step.control constant");
+  refuse(SMALLEST "domain: {periodic: [false, true, false], min: [0, 0, 0]}\n",
+         "1:1: missing key 'domain.max', required along periodic axes");
+  refuse_text(
+      "end_time: 0\nparticle_spacing: x # why\nfluid:\n  blocks: [ 1, 2 ]\nfoo: 3\n", "gravity=4",
+      "folder/t.yaml:1:11: end_time must be > 0, not '0'\nend_time: 0\n          ^\n"
+      "folder/t.yaml:2:19: particle_spacing must be a number, not 'x'\n"
+      "particle_spacing: x # why\n                  ^\n"
+      "folder/t.yaml:4:13: fluid.blocks[0] must be a map, not '1'\n  blocks: [ 1, 2 ]\n            ^\n"
+      "folder/t.yaml:4:16: fluid.blocks[1] must be a map, not '2'\n  blocks: [ 1, 2 ]\n               ^\n"
+      "folder/t.yaml:5:1: unknown key 'foo'\nfoo: 3\n^\n"
+      "--set gravity=4: gravity must be a list of 3 numbers, not '4'");
+}
+END_TEST
+
+START_TEST(test_many_errors) {
+  char text[8192] = SMALLEST;
+  for (int k = 0; k < 200; k++)
+    snprintf(text + strlen(text), sizeof text - strlen(text), "unheard_of_%d: 1\n", k);
+  hc_scene scene;
+  hc_error error;
+  ck_assert_int_eq(read_with(&scene, text, NULL, &error), HC_BAD_INPUT);
+  ck_assert_ptr_nonnull(strstr(error.text, "folder/t.yaml:3:1: unknown key 'unheard_of_0'"));
+  ck_assert_ptr_nonnull(strstr(error.text, "folder/t.yaml:52:1: unknown key 'unheard_of_49'"));
+  ck_assert_ptr_null(strstr(error.text, "unheard_of_50"));
+  char wide[16384] = SMALLEST;
+  for (int k = 0; k < 60; k++)
+    snprintf(wide + strlen(wide), sizeof wide - strlen(wide), "unheard_of_%d: %0200d\n", k, 0);
+  ck_assert_int_eq(read_with(&scene, wide, NULL, &error), HC_BAD_INPUT);
+  ck_assert_uint_lt(strlen(error.text), sizeof error.text - 1);
+  ck_assert_str_eq(error.text + strlen(error.text) - 9, "\nand more");
+}
+END_TEST
+
+START_TEST(test_not_yaml) {
+  refuse("a: b: c", "1:5: not valid YAML: invalid nested block mapping on the same line");
+  refuse("name: *x\n", "1:7: alias '*x' has no anchor before it");
+  refuse("name: &x [*x]\n", "1:11: alias '*x' has no anchor before it");
+  refuse("name: !!str x\n", "1:13: tags are not supported; types follow from the keys");
+  refuse(SMALLEST "---\nname: x\n", "3:1: only one YAML document may be given");
+  refuse("? [a]\n: 1\n", "1:3: a key must be a word, not a list");
+  refuse("[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[", "1:33: nested more than 32 deep");
+  refuse("- 1\n- 2\n", "1:1: a scene must be a map of keys, not a list of 2");
+  refuse_text("# nothing\n", NULL, "folder/t.yaml: a scene must be a map of keys, not nothing");
+  refuse_text("", NULL, "folder/t.yaml: a scene must be a map of keys, not nothing");
+  /* Columns count characters; a tab stays a tab; CRLF ends a line. */
+  refuse_text("name: ä\r\nfluid: {ä: 1,\té: 1}\r\n" SMALLEST, "name=x",
+              "folder/t.yaml:2:9: unknown key 'fluid.ä'\nfluid: {ä: 1,\té: 1}\n        ^\n"
+              "folder/t.yaml:2:15: unknown key 'fluid.é'\nfluid: {ä: 1,\té: 1}\n             \t^");
+  refuse_text("name: x\n\x89HDF\r\n\x1a\n", NULL, "folder/t.yaml:2:1: not UTF-8 text: byte 0x89\n?HDF\n^");
+  refuse_text("name: a\033[2J\n", NULL,
+              "folder/t.yaml:1:8: not text: byte 0x1b is a control character\nname: a?[2J\n       ^");
+  static const char zero[] = "name: a\0b\n";
+  hc_scene scene;
+  hc_error error;
+  ck_assert_int_eq(hc_scene_read_text(&scene, "z", zero, sizeof zero - 1, NULL, 0, NULL, &error),
+                   HC_BAD_INPUT);
+  ck_assert_str_eq(error.text, "z:1:8: not text: byte 0x00 is a control character\nname: a?b\n       ^");
+}
+END_TEST
+
+START_TEST(test_overrides) {
+  hc_scene scene = read_good(full, "time_step.max=0.002");
+  ck_assert_double_eq(scene.time_step.max, 0.002);
+  hc_scene_free(&scene);
+  scene = read_good(full, "gravity=[0,0,-1]");
+  ck_assert_double_eq(scene.gravity[2], -1.0);
+  hc_scene_free(&scene);
+  scene = read_good(full, "fluid.blocks[0].velocity=[1,0,0]");
+  ck_assert_double_eq(scene.fluid.blocks[0].velocity[0], 1.0);
+  ck_assert_double_eq(scene.fluid.blocks[1].velocity[0], 1.0);
+  hc_scene_free(&scene);
+  scene = read_good(full, "fluid.viscosity={model: laminar}"); /* merged */
+  ck_assert_int_eq(scene.fluid.viscosity.model, HC_VISCOSITY_LAMINAR);
+  ck_assert_double_eq(scene.fluid.viscosity.coefficient, 0.08);
+  hc_scene_free(&scene);
+  /* The last one counts, and a bad value that is replaced hurts nobody. */
+  static const char bad[] = "particle_spacing: x\nend_time: 2\n";
+  static const char *const two[] = {"particle_spacing=1", "particle_spacing=0.5"};
+  hc_error error;
+  ck_assert_int_eq(hc_scene_read_text(&scene, "t", bad, sizeof bad - 1, two, 2, &limits, &error), HC_OK);
+  ck_assert_double_eq(scene.particle_spacing, 0.5);
+  hc_scene_free(&scene);
+}
+END_TEST
+
+START_TEST(test_bad_overrides) {
+  static const pair cases[] = {
+      {"time_step.max=abc", "time_step.max must be a number, not 'abc'"},
+      {"time_step.maxx=1", "unknown key 'time_step.maxx'; did you mean 'time_step.max'?"},
+      {"time_step.max", "path.to.key=value is meant"},
+      {"time_step.max=", "time_step.max has no value"},
+      {"gravity=[0,0", "not valid YAML: flow sequence without a closing bracket"},
+      {"gravity[0]=3", "gravity is not a list of maps: give its whole value"},
+      {"fluid.blocks[0].velocity=[1,0,0]", "fluid.blocks has no item 0: it has 0, counted from 0"},
+      {"fluid.blocks[x].velocity=1", "'fluid.blocks[x].velocity' is not a key: list[index].key is meant"},
+      {"fluid.block[0].velocity=1", "unknown key 'fluid.block'; did you mean 'fluid.blocks'?"},
+      {"fluid.blocks=[{box: {min: [0,0,0], max: [1,1]}}]",
+       "fluid.blocks[0].box.max must be a list of 3 numbers, not a list of 2"},
+  };
+  for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) refuse_set(cases[k].given, cases[k].message);
+}
+END_TEST
+
+static void make_folder(char folder[static 32]) {
+  strcpy(folder, "/tmp/test_scene_XXXXXX");
+  ck_assert_ptr_nonnull(mkdtemp(folder));
+}
+
+/* Reads a file of this content (null: none); the error must be "PATH: MESSAGE" (null: none). */
+static void check_file(const char *path, const char *text, const char *message) {
+  FILE *file = text ? fopen(path, "w") : NULL;
+  ck_assert(!text || (file && fputs(text, file) >= 0 && fclose(file) == 0));
+  hc_scene scene;
+  hc_error error = {.text = ""};
+  const hc_status status = hc_scene_read(&scene, path, NULL, 0, NULL, &error);
+  ck_assert_int_eq(status, message ? HC_BAD_INPUT : HC_OK);
+  char expected[256] = "";
+  if (message) snprintf(expected, sizeof expected, "%s: %s", path, message);
+  ck_assert_str_eq(error.text, expected);
+  if (!message) ck_assert_str_eq(scene.name, "my.scene");
+  hc_scene_free(&scene);
+}
+
+START_TEST(test_files) {
+  char folder[32], path[64];
+  make_folder(folder);
+  snprintf(path, sizeof path, "%s/my.scene.yaml", folder);
+  check_file(folder, NULL, "a folder, not a scene file");
+  check_file(path, NULL, "cannot be opened: No such file or directory");
+  check_file(path, "", "the file is empty");
+  check_file(path, "\xef\xbb\xbf" SMALLEST, NULL); /* a byte order mark */
+  remove(path);
+  rmdir(folder);
+}
+END_TEST
+
+static void check_round_trip(const char *text, const char *override) {
+  char folder[32], path[64];
+  make_folder(folder);
+  snprintf(path, sizeof path, "%s/scene.yaml", folder);
+  hc_scene scene = read_good(text, override), again;
+  hc_error error = {.text = ""};
+  ck_assert_msg(hc_scene_write(&scene, path, &error) == HC_OK, "%s", error.text);
+  ck_assert_msg(hc_scene_read(&again, path, NULL, 0, &limits, &error) == HC_OK, "%s", error.text);
+  expect_same(&scene, &again);
+  hc_scene_free(&again);
+  hc_scene_free(&scene);
+  ck_assert_int_eq(remove(path), 0);
+  ck_assert_int_eq(rmdir(folder), 0); /* no temporary file is left */
+}
+
+START_TEST(test_round_trip) {
+  check_round_trip(SMALLEST, NULL);
+  check_round_trip(full, NULL);
+  check_round_trip(full, "boundary.volume_factor=computed");
+  check_round_trip(full, "gravity=[5e-324, 1.7976931348623157e308, 0.1]");
+  /* Normals of all kinds keep their bits when they are read again. */
+  for (int k = 1; k <= 50; k++) {
+    char override[128];
+    snprintf(override, sizeof override, "boundary.walls[2].plane.normal=[%d, %.17g, %.17g]", k % 7, sin(k),
+             1.0 / k);
+    check_round_trip(full, override);
+  }
+  /* Where a comma is the decimal mark (if the machine has such a locale) nothing changes. */
+  setlocale(LC_ALL, "de_DE.UTF-8");
+  check_round_trip(full, "fluid.mass_factor=0.99");
+  setlocale(LC_ALL, "C");
+}
+END_TEST
+
+START_TEST(test_write_failures) {
+  hc_scene scene = read_good(SMALLEST, NULL);
+  hc_error error;
+  ck_assert_int_eq(hc_scene_write(&scene, "/nowhere/at/all.yaml", &error), HC_IO_FAILED);
+  ck_assert_str_eq(error.text, "/nowhere/at/all.yaml.tmp: cannot be written: No such file or directory");
+  char folder[32], temporary[64];
+  make_folder(folder);
+  ck_assert_int_eq(hc_scene_write(&scene, folder, &error), HC_IO_FAILED); /* a folder is in the way */
+  snprintf(temporary, sizeof temporary, "%s.tmp", folder);
+  ck_assert_int_ne(access(temporary, F_OK), 0);
+  rmdir(folder);
+  hc_scene_free(&scene);
+}
+END_TEST
+
+/* True if a line begins with the key. */
+static bool has_key(const char *text, const char *key) {
+  char line[160];
+  snprintf(line, sizeof line, "\n%s ", key);
+  return strstr(text, line) != NULL;
+}
+
+START_TEST(test_keys) {
+  char *all = NULL;
+  size_t length = 0;
+  FILE *out = open_memstream(&all, &length);
+  ck_assert_ptr_nonnull(out);
+  hc_error error;
+  ck_assert_int_eq(hc_params_print(out, "dfsph", &error), HC_OK);
+  fclose(out);
+  for (int k = 0; k < hc_params_scene.count; k++) {
+    const hc_param *param = &hc_params_scene.params[k];
+    ck_assert_msg(has_key(all, param->path) == !param->hidden, "%s", param->path);
+    for (int i = 0; param->items && i < param->items->count; i++) {
+      char path[128];
+      snprintf(path, sizeof path, "%s[].%s", param->path, param->items->params[i].path);
+      ck_assert_msg(has_key(all, path), "%s", path);
+    }
+  }
+  free(all);
+  ck_assert_int_eq(hc_params_print(stdout, "magic", &error), HC_BAD_INPUT);
+  ck_assert_str_eq(error.text, "unknown solver 'magic'; known: dfsph");
+}
+END_TEST
+
+START_TEST(test_own_scenes) {
+  glob_t found;
+  if (glob(HC_SOURCE_DIR "/scenes/*.yaml", 0, NULL, &found) != 0) return;
+  for (size_t k = 0; k < found.gl_pathc; k++) {
+    hc_scene scene;
+    hc_error error = {.text = ""};
+    ck_assert_msg(hc_scene_read(&scene, found.gl_pathv[k], NULL, 0, NULL, &error) == HC_OK, "%s", error.text);
+    hc_scene_free(&scene);
+  }
+  globfree(&found);
+}
+END_TEST
+
+int main(void) {
+  const TTest *const tests[] = {test_defaults,         test_values,         test_errors_in_a_line,
+                                test_errors_elsewhere, test_many_errors,    test_not_yaml,
+                                test_overrides,        test_bad_overrides,  test_files,
+                                test_round_trip,       test_write_failures, test_keys,
+                                test_own_scenes};
+  Suite *suite = suite_create("scene");
+  TCase *all = tcase_create("all");
+  for (size_t k = 0; k < sizeof tests / sizeof tests[0]; k++) tcase_add_test(all, tests[k]);
+  suite_add_tcase(suite, all);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
