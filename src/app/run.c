@@ -26,7 +26,7 @@ typedef struct run {
   hc_tables tables;
   hc_progress progress;
   int snapshots; /* written so far */
-  int64_t density_caps, divergence_caps, rebalances;
+  int64_t density_caps, divergence_caps, contacts, rebalances;
   double particle_steps; /* fluid particles summed over the steps */
   double started;        /* wall clock, when the steps began */
 } run;
@@ -139,6 +139,7 @@ static void judge_step(run *run, char *event, size_t size) {
     hc_log_warn(&run->log, "step %lld: divergence solver at its cap of %d iterations",
                 (long long)simulation->step, report->divergence_iterations);
   }
+  run->contacts += report->contacts;
   if (simulation->rebalanced) run->rebalances++;
 }
 
@@ -262,6 +263,8 @@ static hc_status summarize(run *run, hc_error *error) {
                 stages[k].seconds.mean, stages[k].seconds.min, stages[k].seconds.max);
   hc_log_info(&run->log, "iteration caps hit: density solver %lld, divergence solver %lld of %lld steps",
               (long long)run->density_caps, (long long)run->divergence_caps, (long long)simulation->step);
+  hc_log_info(&run->log, "particles held by wall contacts: %.3g a step on average",
+              simulation->step > 0 ? (double)run->contacts / (double)simulation->step : 0.0);
   hc_log_info(&run->log,
               "rebalances: %lld; communication %.1f %% of the time; memory at its highest %.1f MiB on a rank",
               (long long)run->rebalances,

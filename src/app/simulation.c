@@ -97,6 +97,7 @@ static void choose_settings(hc_simulation *simulation) {
                                  .divergence_min = scene->solver.divergence_iterations.min,
                                  .divergence_max = scene->solver.divergence_iterations.max,
                                  .warm_start = scene->solver.warm_start,
+                                 .relaxation = scene->solver.relaxation,
                                  .min_divergence_neighbors = scene->solver.min_divergence_neighbors,
                                  .negative_pressure = scene->solver.negative_pressure};
   memcpy(solver->gravity, scene->gravity, sizeof solver->gravity);
@@ -149,15 +150,18 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
   hc_frame frame;
   if (hc_setup_frame(scene, &frame, error) != HC_OK) return error->status;
   const double ratio = scene->particle_spacing / scene->support_radius, h = frame.support_radius;
-  const hc_world_settings settings = {.frame = frame,
-                                      .rest_density = scene->fluid.rest_density,
-                                      .mass = scene->fluid.rest_density * scene->fluid.mass_factor * h * h *
-                                              h / hc_setup_rest_lattice_sum(ratio),
-                                      .volume_factor = scene->boundary.volume_factor > 0.0
-                                                           ? scene->boundary.volume_factor
-                                                           : hc_setup_wall_factor(ratio),
-                                      .boundary_ops = boundary_of(scene->boundary.method),
-                                      .isa = simulation->isa};
+  const double volume_factor =
+      scene->boundary.volume_factor > 0.0 ? scene->boundary.volume_factor : hc_setup_wall_factor(ratio);
+  const hc_world_settings settings = {
+      .frame = frame,
+      .rest_density = scene->fluid.rest_density,
+      .mass =
+          scene->fluid.rest_density * scene->fluid.mass_factor * h * h * h / hc_setup_rest_lattice_sum(ratio),
+      .volume_factor = volume_factor,
+
+      .contact_limit = scene->boundary.contact ? hc_setup_contact_limit(ratio, volume_factor) : 0.0,
+      .boundary_ops = boundary_of(scene->boundary.method),
+      .isa = simulation->isa};
   hc_world_init(&simulation->world, comm, &settings);
   fill_world(simulation, &frame, error);
   if (hc_comm_agree(comm, error) != HC_OK) {

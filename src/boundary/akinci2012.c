@@ -5,7 +5,14 @@
  * paper's factor is 1, which over-counts a flat wall; the scene's default is computed so that a resting
  * lattice one spacing from a flat wall has exactly the rest density (setup/rest_lattice.h). The wall's push
  * enters the pressure sweep through wall_gradient. Known weakness: no tangential pressure gradient at the
- * wall; corners stay a little light. */
+ * wall; corners stay a little light.
+ *
+ * Contact. A single layer weighs as much as one layer of fluid, so pressure stops a particle only where its
+ * density reaches the rest density: a drop of few particles passes through the layer, whose gradient vanishes
+ * in the middle. Not in the paper: the part of the velocity along the gradient B of the wall density D_b is
+ * cut so that D_b + dt v . B stays within the value on the wetted surface of a flat wall; a particle already
+ * beyond keeps no approaching velocity, but is not thrown out. Fluid at rest stays a spacing away and never
+ * notices. */
 #include "boundary.h"
 
 static void prepare(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
@@ -13,4 +20,27 @@ static void prepare(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles
   sweeps->boundary_volume(sweep, boundary, list, (float)factor);
 }
 
-const hc_boundary_ops hc_boundary_akinci2012 = {"akinci2012", prepare};
+static int64_t contact(hc_particles *fluid, double limit, double dt) {
+  int64_t held = 0;
+  for (int32_t i = 0; i < fluid->own; i++) {
+    const double room = limit - (double)fluid->wall_density[i];
+    if (room == limit) continue; /* no wall near */
+    const float *gradient = &fluid->wall_gradient[3 * (size_t)i];
+    double *velocity = &fluid->velocity[3 * (size_t)i];
+    double approach = 0.0, square = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+      approach += velocity[axis] * gradient[axis];
+      square += (double)gradient[axis] * gradient[axis];
+    }
+    const double allowed = room > 0.0 ? room / dt : 0.0;
+    if (approach <= allowed || square == 0.0) continue;
+    for (int axis = 0; axis < 3; axis++) {
+      velocity[axis] -= (approach - allowed) / square * gradient[axis];
+      fluid->motion[i].v[axis] = (float)velocity[axis];
+    }
+    held++;
+  }
+  return held;
+}
+
+const hc_boundary_ops hc_boundary_akinci2012 = {"akinci2012", prepare, contact};

@@ -39,6 +39,8 @@ static const char *const wall_types[] = {[HC_WALL_BOX] = "box", [HC_WALL_PLANE] 
   { low, INFINITY, false }
 #define WITHIN(low, high)                                                                                    \
   { low, high, false }
+#define ABOVE_WITHIN(low, high)                                                                              \
+  { low, high, true }
 #define HC_PARAM(path_, kind_, member_, unit_, fallback_, range_, sentence_, ...)                            \
   {.path = path_,                                                                                            \
    .kind = HC_PARAM_##kind_,                                                                                 \

@@ -101,6 +101,7 @@ typedef struct hc_scene {
   struct {
     hc_boundary_method method;
     double volume_factor; /* 0 = computed */
+    bool contact;         /* hold particles that the wall's pressure does not stop */
     hc_wall *walls;
     int wall_count;
   } boundary;
@@ -111,6 +112,7 @@ typedef struct hc_scene {
     double divergence_error;  /* fraction of the rest density per step */
     hc_iterations density_iterations, divergence_iterations;
     double warm_start;            /* share of the last step's pressure taken over, 0 to 1 */
+    double relaxation;            /* of each correction, above 0 to 1 */
     int min_divergence_neighbors; /* fewer: the divergence solver leaves the particle alone */
     bool negative_pressure;       /* correct expansion too (closed periodic flows) */
   } solver;

@@ -11,13 +11,12 @@ static double kernel(double q) {
   return sigma * (6 * q * q * (q - 1) + 1);
 }
 
-/* Sum of W h^3 over the plane of the lattice that lies `layer` spacings away. */
-static double plane_sum(double spacing_over_h, int layer) {
+/* Sum of W h^3 over a plane of the lattice that lies `layer` spacings away. */
+static double plane_sum(double spacing_over_h, double layer) {
   const int reach = (int)(1 / spacing_over_h) + 1;
   double sum = 0;
   for (int j = -reach; j <= reach; j++)
-    for (int i = -reach; i <= reach; i++)
-      sum += kernel(spacing_over_h * sqrt((double)(i * i + j * j + layer * layer)));
+    for (int i = -reach; i <= reach; i++) sum += kernel(spacing_over_h * sqrt(i * i + j * j + layer * layer));
   return sum;
 }
 
@@ -38,4 +37,8 @@ double hc_setup_rest_lattice_sum(double spacing_over_h) {
 double hc_setup_wall_factor(double spacing_over_h) {
   const double half = half_sum(spacing_over_h, 0), all = hc_setup_rest_lattice_sum(spacing_over_h);
   return (1 - half / all) * plane_sum(spacing_over_h, 0) / plane_sum(spacing_over_h, 1);
+}
+
+double hc_setup_contact_limit(double spacing_over_h, double factor) {
+  return factor * plane_sum(spacing_over_h, 0.5) / plane_sum(spacing_over_h, 0);
 }

@@ -18,4 +18,9 @@ double hc_setup_rest_lattice_sum(double spacing_over_h);
  * h/2). Range as above. */
 double hc_setup_wall_factor(double spacing_over_h);
 
+/* The wall density, sum of V_b W, on the wetted surface of a flat wall with that factor: half a spacing from
+ * a square lattice of boundary particles, over one of them. About 0.49 with the computed factor at a spacing
+ * of h/2. */
+double hc_setup_contact_limit(double spacing_over_h, double factor);
+
 #endif

@@ -103,7 +103,8 @@ static void density_and_factors(hc_world *world) {
 static solved correct_divergence_error(hc_world *world, const hc_solver_settings *settings, double dt,
                                        double dt_before) {
   const solve solve = {.world = world,
-                       .rule = {0.0f, 1.0f, settings->min_divergence_neighbors, settings->negative_pressure},
+                       .rule = {0.0f, 1.0f, settings->min_divergence_neighbors, settings->negative_pressure,
+                                (float)settings->relaxation},
                        .weight = 1.0f,
                        .multiplier = world->fluid.divergence_multiplier,
                        .warm = dt_before > 0.0 ? (float)(settings->warm_start * (dt / dt_before)) : 0.0f,
@@ -118,7 +119,7 @@ static solved correct_density_error(hc_world *world, const hc_solver_settings *s
                                     double dt_before) {
   const double ratio = dt_before > 0.0 ? dt / dt_before : 0.0;
   const solve solve = {.world = world,
-                       .rule = {1.0f, (float)dt, 0, settings->negative_pressure},
+                       .rule = {1.0f, (float)dt, 0, settings->negative_pressure, (float)settings->relaxation},
                        .weight = (float)(1.0 / dt),
                        .multiplier = world->fluid.pressure_multiplier,
                        .warm = (float)(settings->warm_start * ratio * ratio),

@@ -22,7 +22,7 @@ typedef struct hc_solver_settings {
   double density_error_avg;                                     /* fraction of the rest density */
   double divergence_error;                                      /* fraction of the rest density per step */
   int density_min, density_max, divergence_min, divergence_max; /* iterations */
-  double warm_start;
+  double warm_start, relaxation;
   int min_divergence_neighbors;
   bool negative_pressure;
 } hc_solver_settings;
@@ -36,6 +36,7 @@ typedef struct hc_step_report {
   double v_max, a_max;                     /* m/s, m/s2: at the end of, and averaged over, the step */
   double force_max;                        /* m/s2: non-pressure forces, for the choice of the next step */
   double kinetic_energy, potential_energy; /* J; potential about the scene's origin */
+  int64_t contacts;                        /* particles that a wall's contact held */
 } hc_step_report;
 
 typedef struct hc_solver_ops {
@@ -58,8 +59,8 @@ void hc_apply_forces(hc_world *world, const hc_solver_settings *settings, double
 /* Remembers velocities, so that hc_move can tell accelerations. Local. */
 void hc_remember_velocities(hc_world *world);
 
-/* x += dt v for own particles, periodic axes wrapped; velocities, accelerations, energies into the report.
- * Collective; HC_FAILED as hc_solver_ops.step says. */
+/* Wall contacts, then x += dt v for own particles, periodic axes wrapped; velocities, accelerations, energies
+ * into the report. Collective; HC_FAILED as hc_solver_ops.step says. */
 hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, hc_step_report *report,
                   hc_error *error);
 

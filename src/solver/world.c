@@ -11,6 +11,7 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
   world->frame = settings->frame;
   world->mass = settings->mass;
   world->volume_factor = settings->volume_factor;
+  world->contact_limit = settings->contact_limit;
   world->boundary_ops = settings->boundary_ops;
   hc_domain_init(&world->domain, comm, &world->frame);
   hc_particles_init(&world->fluid, HC_FLUID);

@@ -19,8 +19,8 @@ typedef struct hc_world {
   const hc_sweeps *sweeps;
   hc_sweep sweep;
   const hc_boundary_ops *boundary_ops;
-  double volume_factor;
-  double mass; /* kg, of a fluid particle */
+  double volume_factor, contact_limit; /* see boundary.h; limit 0: no contact */
+  double mass;                         /* kg, of a fluid particle */
   int64_t fluid_total, boundary_total;
   hc_stopwatch watch;
 } hc_world;
@@ -28,7 +28,8 @@ typedef struct hc_world {
 /* What a world is made of, besides its particles. */
 typedef struct hc_world_settings {
   hc_frame frame;
-  double rest_density, mass, volume_factor; /* kg/m3, kg, see boundary.h */
+  double rest_density, mass;           /* kg/m3, kg */
+  double volume_factor, contact_limit; /* see boundary.h; limit 0: no contact */
   const hc_boundary_ops *boundary_ops;
   hc_isa isa; /* the same on every rank */
 } hc_world_settings;

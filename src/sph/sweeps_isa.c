@@ -216,12 +216,13 @@ static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
       const float wall[3] = {sweep->gradient * wall_gradients.x.total[k],
                              sweep->gradient * wall_gradients.y.total[k],
                              sweep->gradient * wall_gradients.z.total[k]};
-      const float relative =
-          sweep->kernel * (sweep->volume * (1.0f + densities.total[k]) + wall_densities.total[k]);
+      const float of_walls = sweep->kernel * wall_densities.total[k];
+      const float relative = sweep->kernel * sweep->volume * (1.0f + densities.total[k]) + of_walls;
       const float x = weight * gradients.x.total[k] + wall[0], y = weight * gradients.y.total[k] + wall[1],
                   z = weight * gradients.z.total[k] + wall[2];
       const float denominator = x * x + y * y + z * z + weight * weight * squares.total[k];
       memcpy(&fluid->wall_gradient[3 * (size_t)i], wall, sizeof wall);
+      fluid->wall_density[i] = of_walls;
       fluid->density[i] = sweep->rest_density * relative;
       fluid->motion[i].scalar = 1.0f / relative;
       fluid->alpha[i] = denominator > smallest ? 1.0f / denominator : 0.0f;
@@ -239,10 +240,11 @@ HC_INLINE void apply_rule(const hc_sweep *sweep, const hc_error_rule *rule, int3
       rule->of_density * (fluid->density[i] * (1.0f / sweep->rest_density) - 1.0f) + rule->of_rate * rate;
   if (sweep->list->count[i] + sweep->walls->count[i] < rule->min_neighbors) e = 0.0f;
   if (e < 0.0f && !rule->signed_error) e = 0.0f;
-  fluid->place[i].scalar = fluid->alpha[i] * e;
-  if (e != 0.0f) { /* a NaN counts */
-    hc_sum_add(&total->sum, e);
-    if (!(e <= total->max)) total->max = e;
+  fluid->place[i].scalar = rule->relaxation * fluid->alpha[i] * e;
+  const float size = fabsf(e);
+  if (size != 0.0f) { /* a NaN counts */
+    hc_sum_add(&total->sum, size);
+    if (!(size <= total->max)) total->max = size;
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+static const double FIRST_STEP = 0.25;
+
 static void shrink(double *dt, double limit, hc_step_bound reason, hc_step_bound *bound) {
   if (limit < *dt) {
     *dt = limit;
@@ -21,7 +23,9 @@ double hc_time_step_next(const hc_step_settings *settings, double time, double d
     if (settings->viscosity > 0.0)
       shrink(&dt, 0.125 * settings->support_radius * settings->support_radius / settings->viscosity,
              HC_BOUND_VISCOUS, bound);
-    if (dt_before > 0.0) shrink(&dt, 1.1 * dt_before, HC_BOUND_GROWTH, bound);
+    /* A run starts without pressure, which takes iterations to build up: fewest from a short first step on.
+     */
+    shrink(&dt, dt_before > 0.0 ? 1.1 * dt_before : FIRST_STEP * settings->max, HC_BOUND_GROWTH, bound);
   }
   /* The last step ends the run on time; a sliver that rounding would leave behind is taken along. */
   if (time + dt * (1.0 + 1e-9) >= settings->end_time) {

@@ -1,0 +1,324 @@
+/* The map from bricks to ranks: complete, balanced, the same on every rank; and migration along it. */
+#include "base/memory.h"
+#include "domain/domain.h"
+
+#include <check.h>
+#include <stdlib.h>
+#include <string.h>
+
+static hc_comm comm;
+static hc_frame frame;
+static hc_domain domain;
+static hc_particles fluid, boundary;
+
+/* splitmix64's mixer. */
+static uint64_t mix(uint64_t value) {
+  value += 0x9e3779b97f4a7c15;
+  value = (value ^ value >> 30) * 0xbf58476d1ce4e5b9;
+  value = (value ^ value >> 27) * 0x94d049bb133111eb;
+  return value ^ value >> 31;
+}
+
+/* Fails on every rank if it fails on one, so that nobody waits for a rank that has left the test. */
+static void expect_everywhere(bool good, const char *what, int line) {
+  int64_t bad = !good;
+  hc_comm_max_i64(&comm, &bad, 1);
+  ck_assert_msg(!bad, "line %d: %s%s", line, what, good ? " (on another rank)" : "");
+}
+#define EXPECT(condition) expect_everywhere((condition), #condition, __LINE__)
+
+static void setup(void) {
+  memset(&frame, 0, sizeof frame);
+  hc_domain_init(&domain, &comm, &frame);
+  hc_particles_init(&fluid, HC_FLUID);
+  hc_particles_init(&boundary, HC_BOUNDARY);
+}
+
+static void teardown(void) {
+  hc_domain_free(&domain);
+  hc_particles_free(&fluid);
+  hc_particles_free(&boundary);
+}
+
+/* Where particles lie: a box of `cells` edges around `centre`, in cells; denser at its low end. */
+typedef struct cloud {
+  int64_t cells[3], centre[3];
+  uint64_t fluid, boundary; /* how many */
+} cloud;
+
+static int64_t position_of(const cloud *cloud, uint64_t id, int axis) {
+  const double fraction = (double)(mix(3 * id + (uint64_t)axis) >> 11) * 0x1p-53;
+  const double skewed = axis == 0 ? fraction * fraction : fraction;
+  return cloud->centre[axis] * HC_CELL_UNITS +
+         (int64_t)((skewed - 0.5) * (double)cloud->cells[axis] * (double)HC_CELL_UNITS);
+}
+
+static void fill(hc_particles *particles, const cloud *cloud, uint64_t count, uint64_t first, uint64_t seed) {
+  hc_particles_resize(particles, 0);
+  for (uint64_t id = first; id < first + count; id++) {
+    if ((int)(mix(id * 31 + seed) % (uint64_t)comm.size) != comm.rank) continue;
+    const int32_t k = particles->own;
+    hc_particles_resize(particles, k + 1);
+    particles->id[k] = id;
+    for (int axis = 0; axis < 3; axis++) {
+      particles->position[3 * k + axis] = position_of(cloud, id, axis);
+      if (particles->velocity) particles->velocity[3 * k + axis] = (double)mix(id + (uint64_t)axis);
+    }
+    if (particles->volume) particles->volume[k] = (float)(id % 1000);
+  }
+}
+
+enum { FIRST_BOUNDARY = 1000000 };
+
+/* Spreads the particles over the ranks by chance. */
+static void spread(const cloud *cloud, uint64_t seed) {
+  fill(&fluid, cloud, cloud->fluid, 0, seed);
+  fill(&boundary, cloud, cloud->boundary, FIRST_BOUNDARY, seed);
+}
+
+static hc_brick brick_of(const hc_particles *particles, int32_t k) {
+  hc_brick brick;
+  hc_cell_of(&particles->position[3 * k], &brick);
+  return brick;
+}
+
+/* Slab order, written once more. */
+static int compare(const hc_brick *a, const hc_brick *b) {
+  for (int k = 0; k < 3; k++) {
+    const int axis = (domain.axis + k) % 3;
+    if (a->x[axis] != b->x[axis]) return a->x[axis] < b->x[axis] ? -1 : 1;
+  }
+  return 0;
+}
+static int by_slab(const void *a, const void *b) {
+  return compare(a, b);
+}
+
+static bool same_on_all_ranks(uint64_t value) {
+  int64_t high = (int64_t)(value >> 1), low = high;
+  hc_comm_max_i64(&comm, &high, 1);
+  hc_comm_min_i64(&comm, &low, 1);
+  return high == low;
+}
+
+/* Every brick has one owner, the same on all ranks; owners ascend in slab order. */
+static void check_owners(void) {
+  enum { COUNT = 3000 };
+  static hc_brick bricks[COUNT];
+  for (int k = 0; k < COUNT; k++)
+    for (int axis = 0; axis < 3; axis++) {
+      const int32_t any = (int32_t)mix((uint64_t)(3 * k + axis));
+      bricks[k].x[axis] = k % 3 == 0 ? any >> 1 : k % 3 == 1 ? any >> 24 : any >> 28;
+    }
+  qsort(bricks, COUNT, sizeof *bricks, by_slab);
+  bool good = true;
+  uint64_t digest = 0;
+  int before = 0;
+  for (int k = 0; k < COUNT; k++) {
+    const int owner = hc_domain_owner(&domain, bricks[k]);
+    good &= owner >= before && owner < comm.size;
+    before = owner;
+    digest = mix(digest + (uint64_t)owner);
+  }
+  EXPECT(good);
+  EXPECT(same_on_all_ranks(digest));
+}
+
+static bool at_home(const hc_particles *particles) {
+  bool good = true;
+  for (int32_t k = 0; k < particles->own; k++)
+    good &= hc_domain_owner(&domain, brick_of(particles, k)) == comm.rank;
+  return good;
+}
+
+static int ascending(const void *a, const void *b) {
+  const uint64_t p = *(const uint64_t *)a, q = *(const uint64_t *)b;
+  return p < q ? -1 : p > q;
+}
+
+/* Every id from `first` on is there once, and its state is what it was. */
+static bool complete(const hc_particles *particles, const cloud *cloud, uint64_t first, uint64_t count) {
+  bool good = true;
+  for (int32_t k = 0; k < particles->own; k++) {
+    const uint64_t id = particles->id[k];
+    for (int axis = 0; axis < 3; axis++) {
+      good &= particles->position[3 * k + axis] == position_of(cloud, id, axis);
+      if (particles->velocity) good &= particles->velocity[3 * k + axis] == (double)mix(id + (uint64_t)axis);
+    }
+    if (particles->volume) good &= particles->volume[k] == (float)(id % 1000);
+  }
+  void *all;
+  size_t bytes;
+  hc_comm_gather_all(&comm, particles->id, (size_t)particles->own * sizeof(uint64_t), &all, &bytes);
+  uint64_t *ids = all;
+  good &= bytes == count * sizeof *ids;
+  qsort(ids, bytes / sizeof *ids, sizeof *ids, ascending);
+  for (uint64_t k = 0; good && k < count; k++) good = ids[k] == first + k;
+  hc_free(all);
+  return good;
+}
+
+/* The largest weight of a brick, over all ranks' particles. */
+static int64_t heaviest_brick(const cloud *cloud) {
+  hc_cells bricks;
+  hc_cells_init(&bricks);
+  int64_t heaviest = 0;
+  for (int kind = 0; kind < 2; kind++) {
+    const uint64_t first = kind ? FIRST_BOUNDARY : 0, count = kind ? cloud->boundary : cloud->fluid;
+    for (uint64_t id = first; id < first + count; id++) {
+      int64_t position[3];
+      for (int axis = 0; axis < 3; axis++) position[axis] = position_of(cloud, id, axis);
+      hc_brick brick;
+      hc_cell_of(position, &brick);
+      const int32_t index = hc_cells_insert(&bricks, brick); /* may move the counts */
+      int32_t *weight = bricks.count[index];
+      weight[0] += kind ? 1 : 16;
+      if (weight[0] > heaviest) heaviest = weight[0];
+    }
+  }
+  hc_cells_free(&bricks);
+  return heaviest;
+}
+
+static void check_balance(const cloud *cloud, double claimed) {
+  int64_t load = 16 * (int64_t)fluid.own + boundary.own, total = load, largest = load;
+  hc_comm_sum_i64(&comm, &total, 1);
+  hc_comm_max_i64(&comm, &largest, 1);
+  const double mean = (double)total / comm.size, brick = (double)heaviest_brick(cloud);
+  EXPECT((double)load <= mean + brick && (double)load >= mean - brick);
+  const double reached = (double)largest / mean;
+  EXPECT(claimed >= reached * (1 - 1e-12) && claimed <= reached * (1 + 1e-12));
+}
+
+static const cloud clouds[] = {
+    {{40, 20, 12}, {0, 0, 0}, 3000, 800},     {{12, 80, 8}, {-1000, 7, 12345678}, 2000, 0},
+    {{8, 12, 60}, {-5, -5, -5}, 0, 2500},     {{30, 30, 30}, {1 << 29, -(1 << 29), 1}, 2500, 100},
+    {{2000000000, 5, 5}, {0, 0, 0}, 300, 40}, /* the particles far from each other */
+    {{1, 1, 1}, {2, 2, 2}, 500, 20},          /* one brick */
+    {{12, 1, 1}, {2, 2, 2}, 500, 20},         /* fewer bricks than ranks */
+};
+
+START_TEST(rank_0_owns_the_world_at_first) {
+  check_owners();
+  EXPECT(hc_domain_owner(&domain, (hc_brick){{5, -5, 1 << 29}}) == 0);
+  spread(&clouds[0], 1);
+  hc_domain_migrate(&domain, &fluid);
+  EXPECT(fluid.own == (comm.rank == 0 ? 3000 : 0));
+}
+END_TEST
+
+START_TEST(clouds_are_balanced_and_migrate) {
+  for (size_t c = 0; c < sizeof clouds / sizeof *clouds; c++) {
+    const cloud *cloud = &clouds[c];
+    spread(cloud, c);
+    const double claimed = hc_domain_balance(&domain, &fluid, &boundary);
+    check_owners();
+    int32_t leaving = 0;
+    for (int32_t k = 0; k < fluid.own; k++)
+      leaving += hc_domain_owner(&domain, brick_of(&fluid, k)) != comm.rank;
+    EXPECT(hc_domain_migrate(&domain, &fluid) == leaving);
+    hc_domain_migrate(&domain, &boundary);
+    EXPECT(at_home(&fluid) && at_home(&boundary));
+    EXPECT(complete(&fluid, cloud, 0, cloud->fluid));
+    EXPECT(complete(&boundary, cloud, FIRST_BOUNDARY, cloud->boundary));
+    check_balance(cloud, claimed);
+    int64_t most = fluid.own;
+    hc_comm_max_i64(&comm, &most, 1);
+    const double imbalance = cloud->fluid ? (double)most * comm.size / (double)cloud->fluid : 1.0;
+    EXPECT(fabs(hc_domain_imbalance(&domain, &fluid) - imbalance) <= 1e-12 * imbalance);
+    EXPECT(hc_domain_migrate(&domain, &fluid) == 0 && hc_domain_migrate(&domain, &boundary) == 0);
+    EXPECT(complete(&fluid, cloud, 0, cloud->fluid));
+  }
+}
+END_TEST
+
+/* The cuts follow from the particles, not from who holds them. */
+START_TEST(cuts_are_deterministic) {
+  const size_t bytes = (size_t)(comm.size - 1) * sizeof(hc_brick);
+  hc_brick *first = hc_alloc((size_t)comm.size, sizeof *first);
+  for (size_t c = 0; c < sizeof clouds / sizeof *clouds; c++) {
+    int axis = -1;
+    double imbalance = 0;
+    for (uint64_t seed = 0; seed < 4; seed++) {
+      spread(&clouds[c], seed);
+      const double reached = hc_domain_balance(&domain, &fluid, &boundary);
+      EXPECT(seed == 0 || (domain.axis == axis && memcmp(first, domain.cuts, bytes) == 0));
+      EXPECT(seed == 0 || reached == imbalance);
+      axis = domain.axis;
+      imbalance = reached;
+      memcpy(first, domain.cuts, bytes);
+      uint64_t digest = (uint64_t)axis;
+      for (int k = 0; k < 3 * (comm.size - 1); k++)
+        digest = mix(digest + (uint32_t)domain.cuts[k / 3].x[k % 3]);
+      EXPECT(same_on_all_ranks(digest));
+    }
+  }
+  hc_free(first);
+}
+END_TEST
+
+START_TEST(slabs_are_cut_along_the_longest_axis) {
+  for (int c = 0; c < 3; c++) {
+    spread(&clouds[c], 5);
+    hc_domain_balance(&domain, &fluid, &boundary);
+    EXPECT(domain.axis == c);
+  }
+}
+END_TEST
+
+/* Each particle flies somewhere else in the world, several times. */
+START_TEST(fast_particles_reach_any_rank) {
+  cloud moving = clouds[0];
+  spread(&moving, 3);
+  hc_domain_balance(&domain, &fluid, &boundary);
+  hc_domain_migrate(&domain, &fluid);
+  for (int64_t step = 1; step < 6; step++) {
+    moving.cells[0] = 40 + 30 * step;
+    moving.centre[0] = (step % 2 ? 40 : -40) * step;
+    for (int32_t k = 0; k < fluid.own; k++)
+      for (int axis = 0; axis < 3; axis++)
+        fluid.position[3 * k + axis] = position_of(&moving, fluid.id[k], axis);
+    hc_domain_migrate(&domain, &fluid);
+    EXPECT(at_home(&fluid));
+    EXPECT(complete(&fluid, &moving, 0, moving.fluid));
+  }
+}
+END_TEST
+
+START_TEST(there_may_be_no_particles) {
+  const cloud nothing = {{1, 1, 1}, {0, 0, 0}, 0, 0};
+  spread(&nothing, 0);
+  EXPECT(hc_domain_imbalance(&domain, &fluid) == 1.0);
+  EXPECT(hc_domain_balance(&domain, &fluid, &boundary) == 1.0);
+  check_owners();
+  EXPECT(hc_domain_migrate(&domain, &fluid) == 0 && fluid.own == 0);
+  const cloud one = {{1, 1, 1}, {-900, 0, 0}, 1, 0};
+  spread(&one, 0);
+  EXPECT(hc_domain_balance(&domain, &fluid, &boundary) == comm.size);
+  hc_domain_migrate(&domain, &fluid);
+  EXPECT(complete(&fluid, &one, 0, 1) && at_home(&fluid));
+}
+END_TEST
+
+int main(int argc, char **argv) {
+  hc_comm_start(&comm, &argc, &argv);
+  TCase *tests = tcase_create("domain");
+  tcase_add_checked_fixture(tests, setup, teardown);
+  tcase_set_timeout(tests, 100);
+  tcase_add_test(tests, rank_0_owns_the_world_at_first);
+  tcase_add_test(tests, clouds_are_balanced_and_migrate);
+  tcase_add_test(tests, cuts_are_deterministic);
+  tcase_add_test(tests, slabs_are_cut_along_the_longest_axis);
+  tcase_add_test(tests, fast_particles_reach_any_rank);
+  tcase_add_test(tests, there_may_be_no_particles);
+  Suite *suite = suite_create("domain");
+  suite_add_tcase(suite, tests);
+  SRunner *runner = srunner_create(suite);
+  srunner_set_fork_status(runner, CK_NOFORK); /* MPI does not survive a fork */
+  srunner_run_all(runner, comm.rank == 0 ? CK_NORMAL : CK_MINIMAL);
+  int64_t failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  hc_comm_max_i64(&comm, &failed, 1);
+  hc_comm_finish(&comm);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}

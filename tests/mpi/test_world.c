@@ -1,0 +1,342 @@
+/* Small whole runs without files: what they must conserve, and the same bits on any number of ranks. */
+#include "app/simulation.h"
+#include "base/memory.h"
+
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static hc_comm comm;
+
+/* splitmix64's mixer. */
+static uint64_t mix(uint64_t value) {
+  value += 0x9e3779b97f4a7c15;
+  value = (value ^ value >> 30) * 0xbf58476d1ce4e5b9;
+  value = (value ^ value >> 27) * 0x94d049bb133111eb;
+  return value ^ value >> 31;
+}
+
+/* Fails on every rank if it fails on one, so that nobody waits for a rank that has left the test. */
+static void expect_everywhere(bool good, const char *what, int line) {
+  int64_t bad = !good;
+  hc_comm_max_i64(&comm, &bad, 1);
+  ck_assert_msg(!bad, "line %d: %s%s", line, what, good ? " (on another rank)" : "");
+}
+#define EXPECT(condition) expect_everywhere((condition), #condition, __LINE__)
+
+static hc_block block;
+static hc_wall wall;
+
+/* The scene file's defaults, and a block of fluid of `edge` metres. */
+static hc_scene make_scene(double x, double y, double z) {
+  hc_scene scene;
+  memset(&scene, 0, sizeof scene);
+  memset(&block, 0, sizeof block);
+  memset(&wall, 0, sizeof wall);
+  scene.particle_spacing = 0.02;
+  scene.support_radius = 0.04;
+  scene.end_time = 10.0;
+  scene.fluid.rest_density = 1000.0;
+  scene.fluid.mass_factor = 1.0;
+  scene.fluid.viscosity.model = HC_VISCOSITY_XSPH;
+  scene.fluid.viscosity.coefficient = 0.02;
+  block.box = (hc_box){{0, 0, 0}, {x, y, z}};
+  scene.fluid.blocks = &block;
+  scene.fluid.block_count = 1;
+  scene.solver.density_error_avg = 1e-4;
+  scene.solver.divergence_error = 1e-3;
+  scene.solver.density_iterations = (hc_iterations){2, 100};
+  scene.solver.divergence_iterations = (hc_iterations){3, 100};
+  scene.solver.warm_start = 0.5;
+  scene.solver.min_divergence_neighbors = 20;
+  scene.time_step.control = HC_TIME_CFL;
+  scene.time_step.factor = 0.4;
+  scene.time_step.max = 0.004;
+  scene.parallel.rebalance = HC_REBALANCE_SLABS;
+  scene.parallel.rebalance_above = 1.1;
+  return scene;
+}
+
+/* A closed periodic box, long enough for several slabs. */
+static hc_scene closed_box(void) {
+  hc_scene scene = make_scene(0.52, 0.12, 0.12);
+  scene.fluid.mass_factor = 0.99;
+  for (int axis = 0; axis < 3; axis++) {
+    scene.domain.periodic[axis] = true;
+    scene.domain.max[axis] = block.box.max[axis];
+  }
+  return scene;
+}
+
+/* A column of fluid in a tank, whose slabs change under way. */
+static hc_scene tank(void) {
+  hc_scene scene = make_scene(0.24, 0.12, 0.16);
+  scene.gravity[2] = -9.81;
+  scene.gravity[0] = 2.0;
+  wall.box = (hc_box){{0, 0, 0}, {0.6, 0.12, 0.3}};
+  wall.open = HC_FACE_PLUS_Z;
+  scene.boundary.walls = &wall;
+  scene.boundary.wall_count = 1;
+  scene.boundary.contact = true;
+  scene.fluid.viscosity.model = HC_VISCOSITY_ARTIFICIAL;
+  scene.fluid.viscosity.coefficient = 0.05;
+  scene.parallel.rebalance_at = 7;
+  return scene;
+}
+
+static void start(hc_simulation *simulation, hc_comm *ranks, const hc_scene *scene) {
+  hc_error error = {.status = HC_OK, .text = ""};
+  if (hc_simulation_init(simulation, ranks, scene, &error) != HC_OK) ck_abort_msg("%s", error.text);
+}
+
+/* Each particle gets a velocity of its own and moves by up to a tenth of a spacing. */
+static void disturb(hc_simulation *simulation, double speed) {
+  hc_particles *fluid = &simulation->world.fluid;
+  const hc_frame *frame = &simulation->world.frame;
+  for (int32_t k = 0; k < fluid->own; k++)
+    for (int axis = 0; axis < 3; axis++) {
+      const double a = (double)(int64_t)mix(fluid->id[k] * 8 + (uint64_t)axis) * 0x1p-63,
+                   b = (double)(int64_t)mix(fluid->id[k] * 8 + (uint64_t)axis + 4) * 0x1p-63;
+      int64_t *x = &fluid->position[3 * k + axis];
+      *x = hc_frame_wrap(frame, axis, *x + (int64_t)(0.1 * b * (double)frame->spacing[axis]));
+      fluid->velocity[3 * k + axis] += speed * a;
+    }
+  hc_world_update(&simulation->world);
+}
+
+static void step(hc_simulation *simulation) {
+  hc_error error = {.status = HC_OK, .text = ""};
+  if (hc_simulation_step(simulation, &error) != HC_OK)
+    ck_abort_msg("%s", error.text); /* agreed: on all ranks */
+}
+
+/* Sums of the velocities, and of their magnitudes. */
+typedef struct momentum {
+  double sum[3], magnitude;
+} momentum;
+
+static momentum momentum_of(hc_simulation *simulation) {
+  const hc_particles *fluid = &simulation->world.fluid;
+  hc_sum sums[4];
+  memset(sums, 0, sizeof sums);
+  for (int32_t k = 0; k < fluid->own; k++) {
+    const double *v = &fluid->velocity[3 * k];
+    for (int axis = 0; axis < 3; axis++) hc_sum_add(&sums[axis], v[axis]);
+    hc_sum_add(&sums[3], sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+  }
+  hc_comm_sum_exact(simulation->comm, sums, 4);
+  return (momentum){{hc_sum_value(&sums[0]), hc_sum_value(&sums[1]), hc_sum_value(&sums[2])},
+                    hc_sum_value(&sums[3])};
+}
+
+static int64_t particles_in(hc_simulation *simulation) {
+  int64_t count = simulation->world.fluid.own;
+  hc_comm_sum_i64(simulation->comm, &count, 1);
+  return count;
+}
+
+START_TEST(a_closed_box_keeps_its_momentum) {
+  const hc_scene scene = closed_box();
+  hc_simulation simulation;
+  start(&simulation, &comm, &scene);
+  disturb(&simulation, 0.5);
+  const momentum before = momentum_of(&simulation);
+  ck_assert_double_gt(before.magnitude, 100);
+  int iterations = 0;
+  for (int k = 0; k < 30; k++) {
+    step(&simulation);
+    iterations += simulation.report.density_iterations + simulation.report.divergence_iterations;
+  }
+  const momentum after = momentum_of(&simulation);
+  for (int axis = 0; axis < 3; axis++)
+    ck_assert_msg(fabs(after.sum[axis] - before.sum[axis]) <= 1e-6 * before.magnitude,
+                  "momentum changes by %g of %g", after.sum[axis] - before.sum[axis], before.magnitude);
+  ck_assert_double_lt(after.magnitude, 0.95 * before.magnitude); /* there was something to change */
+  ck_assert_int_gt(iterations, 150);
+  ck_assert_int_eq(particles_in(&simulation), 26 * 6 * 6);
+  hc_simulation_free(&simulation);
+}
+END_TEST
+
+START_TEST(a_free_block_falls_without_pressure) {
+  hc_scene scene = make_scene(0.4, 0.08, 0.08);
+  scene.gravity[0] = 0.5;
+  scene.gravity[2] = -9.81;
+  scene.time_step.control = HC_TIME_CONSTANT;
+  scene.time_step.size = 0.002;
+  for (int axis = 0; axis < 3; axis++) block.velocity[axis] = 3 - 2 * axis;
+  hc_simulation simulation;
+  start(&simulation, &comm, &scene);
+  bool good = true;
+  for (int k = 1; k <= 25; k++) {
+    step(&simulation);
+    const hc_particles *fluid = &simulation.world.fluid;
+    for (int32_t i = 0; i < fluid->own; i++) {
+      good &= fluid->pressure[i] == 0 && fluid->pressure_multiplier[i] == 0 &&
+              fluid->divergence_multiplier[i] == 0;
+      for (int axis = 0; axis < 3; axis++)
+        good &=
+            fabs(fluid->velocity[3 * i + axis] - (3 - 2 * axis + 0.002 * k * scene.gravity[axis])) < 1e-13;
+    }
+  }
+  EXPECT(good);
+  ck_assert_int_eq(particles_in(&simulation), 20 * 4 * 4);
+  ck_assert_int_eq(simulation.step, 25);
+  hc_simulation_free(&simulation);
+}
+END_TEST
+
+/* ---- the same bits ---- */
+
+/* The state of one particle. */
+typedef struct state {
+  uint64_t id;
+  int64_t x[3];
+  double v[3];
+  float multipliers[2], density, pressure;
+} state;
+
+static int by_id(const void *a, const void *b) {
+  const uint64_t p = ((const state *)a)->id, q = ((const state *)b)->id;
+  return p < q ? -1 : p > q;
+}
+
+/* FNV-1a over all particles by id; positions count from the scene's origin. */
+static uint64_t digest_of(hc_simulation *simulation) {
+  const hc_particles *fluid = &simulation->world.fluid;
+  state *mine = hc_alloc_zero((size_t)fluid->own, sizeof *mine);
+  for (int32_t k = 0; k < fluid->own; k++) {
+    mine[k].id = fluid->id[k];
+    for (int axis = 0; axis < 3; axis++)
+      mine[k].x[axis] = fluid->position[3 * k + axis] - simulation->world.frame.origin[axis];
+    memcpy(mine[k].v, &fluid->velocity[3 * k], sizeof mine[k].v);
+    mine[k].multipliers[0] = fluid->pressure_multiplier[k];
+    mine[k].multipliers[1] = fluid->divergence_multiplier[k];
+    mine[k].density = fluid->density[k];
+    mine[k].pressure = fluid->pressure[k];
+  }
+  void *all;
+  size_t bytes;
+  hc_comm_gather_all(simulation->comm, mine, (size_t)fluid->own * sizeof *mine, &all, &bytes);
+  hc_free(mine);
+  qsort(all, bytes / sizeof(state), sizeof(state), by_id);
+  uint64_t digest = 0xcbf29ce484222325;
+  for (size_t k = 0; k < bytes; k++) digest = (digest ^ ((const unsigned char *)all)[k]) * 0x100000001b3;
+  hc_free(all);
+  return digest;
+}
+
+/* What is compared of a run: the state, and what the last step said of itself. */
+typedef struct outcome {
+  uint64_t digest;
+  int64_t steps, particles;
+  double time, kinetic_energy, potential_energy, density_error, v_max;
+} outcome;
+
+static outcome run(hc_comm *ranks, const hc_scene *scene, double speed, int steps) {
+  hc_simulation simulation;
+  start(&simulation, ranks, scene);
+  if (speed > 0) disturb(&simulation, speed);
+  for (int k = 0; k < steps; k++) step(&simulation);
+  outcome result;
+  memset(&result, 0, sizeof result);
+  result.digest = digest_of(&simulation);
+  result.steps = simulation.step;
+  result.particles = particles_in(&simulation);
+  result.time = simulation.time;
+  result.kinetic_energy = simulation.report.kinetic_energy;
+  result.potential_energy = simulation.report.potential_energy;
+  result.density_error = simulation.report.density_error_avg;
+  result.v_max = simulation.report.v_max;
+  hc_simulation_free(&simulation);
+  return result;
+}
+
+/* The same run on rank 0 alone, told to all. */
+static outcome run_alone(const hc_scene *scene, double speed, int steps) {
+  outcome result;
+  memset(&result, 0, sizeof result);
+  if (comm.rank == 0) {
+    hc_comm alone;
+    memset(&alone, 0, sizeof alone);
+    MPI_Comm_dup(MPI_COMM_SELF, &alone.mpi);
+    alone.size = 1;
+    result = run(&alone, scene, speed, steps);
+    hc_comm_finish(&alone);
+  }
+  hc_comm_broadcast(&comm, &result, sizeof result, 0);
+  return result;
+}
+
+static void compare_with_one_rank(const hc_scene *scene, double speed, int steps) {
+  const outcome alone = run_alone(scene, speed, steps), together = run(&comm, scene, speed, steps);
+  EXPECT(together.particles == alone.particles && together.steps == steps);
+  EXPECT(together.time == alone.time);
+  EXPECT(together.digest == alone.digest);
+  EXPECT(memcmp(&together, &alone, sizeof alone) == 0);
+}
+
+START_TEST(a_closed_box_has_the_same_bits_on_one_rank) {
+  const hc_scene scene = closed_box();
+  compare_with_one_rank(&scene, 0.4, 20);
+}
+END_TEST
+
+START_TEST(a_tank_has_the_same_bits_on_one_rank) {
+  const hc_scene scene = tank();
+  compare_with_one_rank(&scene, 0, 20);
+}
+END_TEST
+
+START_TEST(a_place_far_away_has_the_same_bits) {
+  hc_scene scene = tank();
+  scene.fluid.viscosity.model = HC_VISCOSITY_LAMINAR;
+  scene.fluid.viscosity.coefficient = 1e-4;
+  const outcome here = run(&comm, &scene, 0, 6);
+  for (int axis = 0; axis < 3; axis++) scene.origin_cells[axis] = (axis - 1) * 123456789 + 1;
+  const outcome there = run(&comm, &scene, 0, 6);
+  EXPECT(here.digest == there.digest);
+  EXPECT(memcmp(&here, &there, sizeof here) == 0);
+}
+END_TEST
+
+START_TEST(a_rebalance_is_forced_and_loses_nothing) {
+  const hc_scene scene = tank();
+  hc_simulation simulation;
+  start(&simulation, &comm, &scene);
+  for (int k = 0; k < 10; k++) {
+    step(&simulation);
+    ck_assert(simulation.rebalanced == (k == 7));
+    ck_assert_int_eq(particles_in(&simulation), 12 * 6 * 8);
+  }
+  int64_t walls = simulation.world.boundary.own;
+  hc_comm_sum_i64(&comm, &walls, 1);
+  ck_assert_int_eq(walls, simulation.world.boundary_total);
+  const double active = hc_world_active_boundary(&simulation.world);
+  ck_assert(active > 0.2 && active < 0.8);
+  hc_simulation_free(&simulation);
+}
+END_TEST
+
+int main(int argc, char **argv) {
+  hc_comm_start(&comm, &argc, &argv);
+  TCase *tests = tcase_create("world");
+  tcase_set_timeout(tests, 100);
+  tcase_add_test(tests, a_closed_box_keeps_its_momentum);
+  tcase_add_test(tests, a_free_block_falls_without_pressure);
+  tcase_add_test(tests, a_closed_box_has_the_same_bits_on_one_rank);
+  tcase_add_test(tests, a_tank_has_the_same_bits_on_one_rank);
+  tcase_add_test(tests, a_place_far_away_has_the_same_bits);
+  tcase_add_test(tests, a_rebalance_is_forced_and_loses_nothing);
+  Suite *suite = suite_create("world");
+  suite_add_tcase(suite, tests);
+  SRunner *runner = srunner_create(suite);
+  srunner_set_fork_status(runner, CK_NOFORK); /* MPI does not survive a fork */
+  srunner_run_all(runner, comm.rank == 0 ? CK_NORMAL : CK_MINIMAL);
+  int64_t failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  hc_comm_max_i64(&comm, &failed, 1);
+  hc_comm_finish(&comm);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}

@@ -1,0 +1,690 @@
+/* The pair sweeps against plain double-precision sums over all pairs, for every instruction set; and what
+ * must hold of them whatever the numbers are. */
+#include "base/memory.h"
+#include "sph/sweeps.h"
+
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double H = 0.04, REST_DENSITY = 1000.0, VOLUME = 8e-6, PI = 3.14159265358979323846;
+static const double TOLERANCE = 1e-5; /* of the sum of the terms' magnitudes */
+
+/* splitmix64's mixer. */
+static uint64_t mix(uint64_t value) {
+  value += 0x9e3779b97f4a7c15;
+  value = (value ^ value >> 30) * 0xbf58476d1ce4e5b9;
+  value = (value ^ value >> 27) * 0x94d049bb133111eb;
+  return value ^ value >> 31;
+}
+
+/* In [-1, 1). */
+static double random_number(uint64_t seed) {
+  return (double)(int64_t)mix(seed) * 0x1p-63;
+}
+
+/* Fluid, boundary and all that a sweep reads. */
+typedef struct setting {
+  hc_frame frame;
+  hc_particles fluid, boundary;
+  hc_cells cells, boundary_cells;
+  hc_neighbors list, walls, boundary_list;
+  hc_sweep sweep;
+} setting;
+
+static void setting_init(setting *s, double stretch_y) {
+  memset(s, 0, sizeof *s);
+  s->frame.support_radius = H;
+  for (int axis = 0; axis < 3; axis++)
+    s->frame.unit[axis] = H / (double)HC_CELL_UNITS * (axis == 1 ? stretch_y : 1.0);
+  hc_particles_init(&s->fluid, HC_FLUID);
+  hc_particles_init(&s->boundary, HC_BOUNDARY);
+  hc_cells_init(&s->cells);
+  hc_cells_init(&s->boundary_cells);
+  hc_neighbors_init(&s->list);
+  hc_neighbors_init(&s->walls);
+  hc_neighbors_init(&s->boundary_list);
+  s->sweep = hc_sweep_make(&s->frame, VOLUME, REST_DENSITY);
+  s->sweep.fluid = &s->fluid;
+  s->sweep.boundary = &s->boundary;
+  s->sweep.list = &s->list;
+  s->sweep.walls = &s->walls;
+}
+
+static void setting_free(setting *s) {
+  hc_particles_free(&s->fluid);
+  hc_particles_free(&s->boundary);
+  hc_cells_free(&s->cells);
+  hc_cells_free(&s->boundary_cells);
+  hc_neighbors_free(&s->list);
+  hc_neighbors_free(&s->walls);
+  hc_neighbors_free(&s->boundary_list);
+}
+
+/* Sorts both sets and finds all neighbours. The values of a particle follow from its id afterwards. */
+static void settle(setting *s) {
+  for (int32_t k = 0; k < s->fluid.own; k++) s->fluid.id[k] = (uint64_t)k;
+  for (int32_t k = 0; k < s->boundary.own; k++) s->boundary.id[k] = (uint64_t)k;
+  hc_cells_bin(&s->cells, &s->fluid);
+  hc_cells_order(&s->cells, &s->fluid);
+  hc_particles_set_ghosts(&s->fluid, 0);
+  hc_cells_bin(&s->boundary_cells, &s->boundary);
+  hc_cells_order(&s->boundary_cells, &s->boundary);
+  hc_particles_set_ghosts(&s->boundary, 0);
+  hc_neighbor_search search;
+  hc_neighbor_search_init(&search, HC_ISA_PORTABLE);
+  hc_neighbors_build(&s->list, &search, &s->cells, &s->fluid, &s->cells, &s->fluid);
+  hc_neighbors_build(&s->walls, &search, &s->cells, &s->fluid, &s->boundary_cells, &s->boundary);
+  hc_neighbors_build(&s->boundary_list, &search, &s->boundary_cells, &s->boundary, &s->boundary_cells,
+                     &s->boundary);
+  hc_neighbor_search_free(&search);
+}
+
+static double velocity_of(uint64_t id, int axis) {
+  return 0.7 * random_number(5 * id + (uint64_t)axis);
+}
+static float kappa_of(uint64_t id) {
+  return (float)(1e-6 * random_number(11 * id + 3));
+}
+static float boundary_volume_of(uint64_t id) {
+  return (float)(VOLUME * (0.7 + 0.3 * random_number(13 * id)));
+}
+
+/* Puts every value that sweeps change back to what it was. */
+static void set_values(setting *s) {
+  for (int32_t k = 0; k < s->fluid.own; k++) {
+    const uint64_t id = s->fluid.id[k];
+    for (int axis = 0; axis < 3; axis++) {
+      s->fluid.velocity[3 * k + axis] = velocity_of(id, axis);
+      s->fluid.motion[k].v[axis] = (float)velocity_of(id, axis);
+    }
+    s->fluid.motion[k].scalar = 1.0f;
+    s->fluid.place[k].scalar = kappa_of(id);
+    s->fluid.pressure_multiplier[k] = 0.25f * kappa_of(id + 1);
+  }
+  for (int32_t k = 0; k < s->boundary.own; k++)
+    s->boundary.volume[k] = s->boundary.place[k].scalar = boundary_volume_of(s->boundary.id[k]);
+}
+
+/* A cloud at about the rest density, a few particles alone and far away, and walls through the cloud. */
+static void make_cloud(setting *s, int32_t fluid, int32_t boundary) {
+  setting_init(s, 1.07);
+  hc_particles_resize(&s->fluid, fluid);
+  hc_particles_resize(&s->boundary, boundary);
+  const double edge = cbrt(fluid / 8.0);
+  for (int32_t k = 0; k < fluid; k++)
+    for (int axis = 0; axis < 3; axis++)
+      s->fluid.position[3 * k + axis] =
+          (int64_t)(0.5 * edge * random_number((uint64_t)(3 * k + axis)) * (double)HC_CELL_UNITS) +
+          (k < 5 ? 10 * (k + 1) * HC_CELL_UNITS : 0);
+  for (int32_t k = 0; k < boundary; k++)
+    for (int axis = 0; axis < 3; axis++)
+      s->boundary.position[3 * k + axis] =
+          (int64_t)((axis == 2 ? 0.1 : 0.5 * edge) * random_number((uint64_t)(3 * k + axis) + 77777) *
+                    (double)HC_CELL_UNITS);
+  settle(s);
+  set_values(s);
+}
+
+/* ---- the plain reference ---- */
+
+/* W and dW/dr as sweeps.h has them. */
+static double kernel(double r) {
+  const double q = r / H, outer = fmax(1 - q, 0), inner = fmax(0.5 - q, 0);
+  return 8 / (PI * H * H * H) * (2 * outer * outer * outer - 8 * inner * inner * inner);
+}
+static double slope(double r) {
+  const double q = r / H, outer = fmax(1 - q, 0), inner = fmax(0.5 - q, 0);
+  return 8 / (PI * H * H * H * H) * (-6 * outer * outer + 24 * inner * inner);
+}
+
+typedef struct vec {
+  double x[3];
+} vec;
+
+static double dot(vec a, vec b) {
+  return a.x[0] * b.x[0] + a.x[1] * b.x[1] + a.x[2] * b.x[2];
+}
+static double norm(vec a) {
+  return sqrt(dot(a, a));
+}
+static void add(vec *sum, double factor, vec a) {
+  for (int axis = 0; axis < 3; axis++) sum->x[axis] += factor * a.x[axis];
+}
+
+static vec separation(const setting *s, const hc_particles *a, int32_t i, const hc_particles *b, int32_t j) {
+  vec d;
+  for (int axis = 0; axis < 3; axis++)
+    d.x[axis] = (double)(a->position[3 * i + axis] - b->position[3 * j + axis]) * s->frame.unit[axis];
+  return d;
+}
+
+static vec gradient(vec x) {
+  vec result = {{0, 0, 0}};
+  const double r = norm(x);
+  if (r > 0) add(&result, slope(r) / r, x);
+  return result;
+}
+
+static vec velocity(const setting *s, int32_t i) {
+  vec v;
+  for (int axis = 0; axis < 3; axis++) v.x[axis] = velocity_of(s->fluid.id[i], axis);
+  return v;
+}
+
+/* A sum and the sum of its terms' magnitudes. */
+typedef struct scaled {
+  double value, scale;
+} scaled;
+typedef struct scaled_vec {
+  vec value;
+  double scale;
+} scaled_vec;
+
+static void add_term(scaled_vec *sum, double factor, vec a) {
+  add(&sum->value, factor, a);
+  sum->scale += fabs(factor) * norm(a);
+}
+
+/* What every sweep should find for one particle. */
+typedef struct expected {
+  double relative_density, wall_density, inverse_alpha, inverse_alpha_scale;
+  scaled rate;
+  scaled_vec wall_gradient, pressure, xsph, laminar, artificial;
+} expected;
+
+static double relative_density(const setting *s, int32_t i) {
+  double sum = 0;
+  for (int32_t j = 0; j < s->fluid.own; j++)
+    sum += VOLUME * kernel(norm(separation(s, &s->fluid, i, &s->fluid, j)));
+  for (int32_t b = 0; b < s->boundary.own; b++)
+    sum += boundary_volume_of(s->boundary.id[b]) * kernel(norm(separation(s, &s->fluid, i, &s->boundary, b)));
+  return sum;
+}
+
+static const double *densities; /* of all particles */
+
+static expected expect(const setting *s, int32_t i) {
+  expected e;
+  memset(&e, 0, sizeof e);
+  e.relative_density = densities[i];
+  const vec vi = velocity(s, i);
+  const double ki = kappa_of(s->fluid.id[i]);
+  scaled_vec sum = {{{0, 0, 0}}, 0};
+  double squares = 0;
+  for (int32_t j = 0; j < s->fluid.own; j++) {
+    const vec x = separation(s, &s->fluid, i, &s->fluid, j), g = gradient(x);
+    const double r = norm(x), soft = r * r + 0.01 * H * H, kj = kappa_of(s->fluid.id[j]);
+    if (j == i || r >= H) continue;
+    vec v = vi;
+    add(&v, -1, velocity(s, j));
+    add_term(&sum, VOLUME, g);
+    squares += VOLUME * VOLUME * dot(g, g);
+    e.rate.value += VOLUME * dot(v, g);
+    e.rate.scale += VOLUME * norm(v) * norm(g);
+    add_term(&e.pressure, -VOLUME * (ki + kj), g);
+    e.pressure.scale += VOLUME * (fabs(ki) + fabs(kj)) * norm(g);
+    add_term(&e.xsph, -VOLUME * (1 / densities[i] + 1 / densities[j]) / 2 * kernel(r), v);
+    add_term(&e.laminar, VOLUME * 2 * dot(x, g) / soft, v);
+    add_term(&e.artificial, VOLUME * fmin(0, dot(v, x)) / soft, g);
+    e.artificial.scale += VOLUME * norm(v) * r / soft * norm(g);
+  }
+  for (int32_t b = 0; b < s->boundary.own; b++) {
+    const vec x = separation(s, &s->fluid, i, &s->boundary, b), g = gradient(x);
+    const double r = norm(x), soft = r * r + 0.01 * H * H, volume = boundary_volume_of(s->boundary.id[b]);
+    if (r >= H) continue;
+    e.wall_density += volume * kernel(r);
+    add_term(&e.wall_gradient, volume, g);
+    add_term(&e.laminar, volume * 2 * dot(x, g) / soft, vi);
+    add_term(&e.artificial, volume * fmin(0, dot(vi, x)) / soft, g);
+    e.artificial.scale += volume * norm(vi) * r / soft * norm(g);
+  }
+  e.rate.value += dot(vi, e.wall_gradient.value);
+  e.rate.scale += norm(vi) * e.wall_gradient.scale;
+  add_term(&e.pressure, -ki, e.wall_gradient.value);
+  e.pressure.scale += fabs(ki) * e.wall_gradient.scale;
+  add_term(&sum, 1, e.wall_gradient.value);
+  e.inverse_alpha = dot(sum.value, sum.value) + squares;
+  e.inverse_alpha_scale = (sum.scale + e.wall_gradient.scale) * (sum.scale + e.wall_gradient.scale) + squares;
+  return e;
+}
+
+/* ---- what the sweeps find ---- */
+
+enum { MOST = 700 };
+
+typedef struct found {
+  float density[MOST], inverse_density[MOST], wall_density[MOST], alpha[MOST], wall_gradient[MOST][3],
+      kappa[2][MOST];
+  hc_sum total[2];
+  float max[2];
+  float xsph[MOST][3], laminar[MOST][3], artificial[MOST][3];
+  double velocity[MOST][3];
+  float moved[MOST][3], multiplier[MOST];
+} found;
+
+static const hc_error_rule rules[2] = {
+    {.of_density = 1.0f, .of_rate = 0.002f, .min_neighbors = 0, .signed_error = true, .relaxation = 0.5f},
+    {.of_density = 0.0f, .of_rate = 1.0f, .min_neighbors = 25, .signed_error = false, .relaxation = 1.0f}};
+static const float XSPH = 0.05f, LAMINAR = 3e-5f, ARTIFICIAL = 2e-4f, PRESSURE = 250.0f;
+
+/* Runs every sweep over all particles, in the ranges between the cuts. */
+static void run_all(setting *s, hc_isa isa, const int32_t *cuts, int ranges, found *f) {
+  const hc_sweeps *sweeps = hc_sweeps_of(isa);
+  hc_particles *fluid = &s->fluid;
+  memset(f, 0, sizeof *f);
+  set_values(s);
+  ck_assert_int_le(fluid->own, MOST);
+  for (int r = 0; r < ranges; r++) sweeps->density(&s->sweep, cuts[r], cuts[r + 1]);
+  for (int r = 0; r < ranges; r++) {
+    sweeps->xsph(&s->sweep, XSPH, &f->xsph[0][0], cuts[r], cuts[r + 1]);
+    sweeps->laminar(&s->sweep, LAMINAR, &f->laminar[0][0], cuts[r], cuts[r + 1]);
+    sweeps->artificial(&s->sweep, ARTIFICIAL, &f->artificial[0][0], cuts[r], cuts[r + 1]);
+  }
+  for (int rule = 0; rule < 2; rule++) {
+    hc_error_total total;
+    memset(&total, 0, sizeof total);
+    for (int r = 0; r < ranges; r++) sweeps->error(&s->sweep, &rules[rule], cuts[r], cuts[r + 1], &total);
+    for (int32_t i = 0; i < fluid->own; i++) f->kappa[rule][i] = fluid->place[i].scalar;
+    hc_sum_carry(&total.sum);
+    f->total[rule] = total.sum;
+    f->max[rule] = total.max;
+  }
+  for (int32_t i = 0; i < fluid->own; i++) fluid->place[i].scalar = kappa_of(fluid->id[i]);
+  for (int r = 0; r < ranges; r++)
+    sweeps->pressure(&s->sweep, PRESSURE, fluid->pressure_multiplier, cuts[r], cuts[r + 1]);
+  for (int32_t i = 0; i < fluid->own; i++) {
+    f->density[i] = fluid->density[i];
+    f->inverse_density[i] = fluid->motion[i].scalar;
+    f->wall_density[i] = fluid->wall_density[i];
+    f->alpha[i] = fluid->alpha[i];
+    f->multiplier[i] = fluid->pressure_multiplier[i];
+    memcpy(f->wall_gradient[i], &fluid->wall_gradient[3 * i], sizeof f->wall_gradient[i]);
+    memcpy(f->velocity[i], &fluid->velocity[3 * i], sizeof f->velocity[i]);
+    memcpy(f->moved[i], fluid->motion[i].v, sizeof f->moved[i]);
+  }
+}
+
+static bool near_vec(const float *values, double factor, const scaled_vec *reference, double extra) {
+  bool good = true;
+  for (int axis = 0; axis < 3; axis++)
+    good &= fabs(values[axis] - factor * reference->value.x[axis]) <=
+            TOLERANCE * fabs(factor) * reference->scale + extra;
+  return good;
+}
+
+/* The error of a particle as the rule has it, and how far off it may be. */
+static scaled expected_error(const setting *s, const expected *e, const hc_error_rule *rule, int32_t i) {
+  scaled error = {rule->of_density * (e->relative_density - 1) + rule->of_rate * e->rate.value,
+                  TOLERANCE * (fabsf(rule->of_density) * (e->relative_density + 1) +
+                               fabsf(rule->of_rate) * e->rate.scale)};
+  if (s->list.count[i] + s->walls.count[i] < rule->min_neighbors) error = (scaled){0, 0};
+  if (!rule->signed_error && error.value < 0) error.value = 0;
+  return error;
+}
+
+static void check_found(const setting *s, const found *f, const expected *all, const char *isa) {
+  double sums[2] = {0, 0}, slacks[2] = {0, 0}, largest[2] = {0, 0};
+  for (int32_t i = 0; i < s->fluid.own; i++) {
+    const expected *e = &all[i];
+    ck_assert_msg(fabs(f->density[i] / REST_DENSITY - e->relative_density) <= TOLERANCE * e->relative_density,
+                  "%s: density %g, expected %g", isa, f->density[i] / REST_DENSITY, e->relative_density);
+    ck_assert(fabs(f->inverse_density[i] * e->relative_density - 1) <= TOLERANCE);
+    ck_assert(fabs(f->wall_density[i] - e->wall_density) <= TOLERANCE * e->wall_density);
+    ck_assert_msg(near_vec(f->wall_gradient[i], 1, &e->wall_gradient, 0), "%s: wall gradient", isa);
+    if (e->inverse_alpha_scale == 0)
+      ck_assert(f->alpha[i] == 0);
+    else if (f->alpha[i] != 0)
+      ck_assert_msg(fabs(1 / (double)f->alpha[i] - e->inverse_alpha) <= TOLERANCE * e->inverse_alpha_scale,
+                    "%s: alpha %g, expected %g", isa, f->alpha[i], 1 / e->inverse_alpha);
+    else
+      ck_assert(e->inverse_alpha < 2e-5 / (H * H));
+    ck_assert_msg(near_vec(f->xsph[i], XSPH, &e->xsph, 0), "%s: xsph", isa);
+    ck_assert_msg(near_vec(f->laminar[i], LAMINAR, &e->laminar, 0), "%s: laminar", isa);
+    ck_assert_msg(near_vec(f->artificial[i], ARTIFICIAL, &e->artificial, 0), "%s: artificial", isa);
+    for (int rule = 0; rule < 2; rule++) {
+      const scaled error = expected_error(s, e, &rules[rule], i);
+      const double factor = rules[rule].relaxation * f->alpha[i];
+      ck_assert_msg(fabs(f->kappa[rule][i] - factor * error.value) <=
+                        factor * (error.scale + 1e-6 * fabs(error.value)),
+                    "%s: kappa %g, expected %g", isa, f->kappa[rule][i], factor * error.value);
+      sums[rule] += fabs(error.value);
+      slacks[rule] += error.scale + 1e-6 * fabs(error.value);
+      largest[rule] = fmax(largest[rule], fabs(error.value));
+    }
+    float change[3];
+    for (int axis = 0; axis < 3; axis++) {
+      change[axis] = (float)(f->velocity[i][axis] - velocity_of(s->fluid.id[i], axis));
+      ck_assert(f->moved[i][axis] == (float)f->velocity[i][axis]);
+    }
+    ck_assert_msg(near_vec(change, PRESSURE, &e->pressure, 1e-15), "%s: pressure", isa);
+    const uint64_t id = s->fluid.id[i];
+    ck_assert(f->multiplier[i] == 0.25f * kappa_of(id + 1) + kappa_of(id));
+  }
+  for (int rule = 0; rule < 2; rule++) {
+    ck_assert_msg(fabs(hc_sum_value(&f->total[rule]) - sums[rule]) <= slacks[rule], "%s: sum %g, expected %g",
+                  isa, hc_sum_value(&f->total[rule]), sums[rule]);
+    ck_assert(fabs(f->max[rule] - largest[rule]) <= 1e-4 * largest[rule]);
+    ck_assert(largest[rule] > 0);
+  }
+}
+
+static expected *expect_all(const setting *s) {
+  double *all = hc_alloc((size_t)s->fluid.own, sizeof *all);
+  for (int32_t i = 0; i < s->fluid.own; i++) all[i] = relative_density(s, i);
+  densities = all;
+  expected *e = hc_alloc((size_t)s->fluid.own, sizeof *e);
+  for (int32_t i = 0; i < s->fluid.own; i++) e[i] = expect(s, i);
+  hc_free(all);
+  return e;
+}
+
+START_TEST(sweeps_agree_with_plain_sums) {
+  static const int32_t counts[][2] = {{517, 150}, {64, 0}, {7, 30}, {1, 0}};
+  found *f = hc_alloc(1, sizeof *f);
+  for (int c = 0; c < 4; c++) {
+    setting s;
+    make_cloud(&s, counts[c][0], counts[c][1]);
+    expected *e = expect_all(&s);
+    for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+      const int32_t cuts[2] = {0, s.fluid.own};
+      run_all(&s, (hc_isa)isa, cuts, 1, f);
+      if (c == 0)
+        check_found(&s, f, e, hc_isa_name((hc_isa)isa));
+      else
+        for (int32_t i = 0; i < s.fluid.own; i++)
+          ck_assert(fabs(f->density[i] / REST_DENSITY - e[i].relative_density) <=
+                    TOLERANCE * e[i].relative_density);
+    }
+    hc_free(e);
+    setting_free(&s);
+  }
+  hc_free(f);
+}
+END_TEST
+
+START_TEST(ranges_make_no_difference) {
+  setting s;
+  make_cloud(&s, 517, 150);
+  found *whole = hc_alloc(1, sizeof *whole), *parts = hc_alloc(1, sizeof *parts);
+  static const int32_t cuts[][8] = {
+      {0, 517}, {0, 1, 2, 64, 65, 130, 516, 517}, {0, 0, 333, 333, 340, 348, 517, 517}};
+  for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+    run_all(&s, (hc_isa)isa, cuts[0], 1, whole);
+    for (int c = 1; c < 3; c++) {
+      run_all(&s, (hc_isa)isa, cuts[c], 7, parts);
+      ck_assert_msg(memcmp(whole, parts, sizeof *whole) == 0, "%s", hc_isa_name((hc_isa)isa));
+    }
+  }
+  hc_free(whole);
+  hc_free(parts);
+  setting_free(&s);
+}
+END_TEST
+
+START_TEST(vector_lengths_give_the_same_bits) {
+  if (hc_isa_best() < HC_ISA_AVX512) return;
+  found *eight = hc_alloc(1, sizeof *eight), *sixteen = hc_alloc(1, sizeof *sixteen);
+  static const int32_t counts[][2] = {{517, 150}, {650, 0}, {77, 400}, {3, 9}};
+  for (int c = 0; c < 4; c++) {
+    setting s;
+    make_cloud(&s, counts[c][0], counts[c][1]);
+    const int32_t cuts[2] = {0, s.fluid.own};
+    run_all(&s, HC_ISA_AVX2, cuts, 1, eight);
+    run_all(&s, HC_ISA_AVX512, cuts, 1, sixteen);
+    ck_assert(memcmp(eight, sixteen, sizeof *eight) == 0);
+    float *volumes = hc_alloc_zero((size_t)s.boundary.own, sizeof *volumes);
+    hc_sweeps_of(HC_ISA_AVX2)->boundary_volume(&s.sweep, &s.boundary, &s.boundary_list, 0.7f);
+    memcpy(volumes, s.boundary.volume, (size_t)s.boundary.own * sizeof *volumes);
+    hc_sweeps_of(HC_ISA_AVX512)->boundary_volume(&s.sweep, &s.boundary, &s.boundary_list, 0.7f);
+    ck_assert(memcmp(volumes, s.boundary.volume, (size_t)s.boundary.own * sizeof *volumes) == 0);
+    hc_free(volumes);
+    setting_free(&s);
+  }
+  hc_free(eight);
+  hc_free(sixteen);
+}
+END_TEST
+
+/* Without walls what one particle gains another loses. */
+START_TEST(pair_forces_conserve_momentum) {
+  setting s;
+  make_cloud(&s, 600, 0);
+  found *f = hc_alloc(1, sizeof *f);
+  const int32_t cuts[2] = {0, 600};
+  for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+    run_all(&s, (hc_isa)isa, cuts, 1, f);
+    double change[4][3] = {{0}}, magnitude[4] = {0};
+    for (int32_t i = 0; i < 600; i++)
+      for (int axis = 0; axis < 3; axis++) {
+        const double all[4] = {f->velocity[i][axis] - velocity_of(s.fluid.id[i], axis), f->xsph[i][axis],
+                               f->laminar[i][axis], f->artificial[i][axis]};
+        for (int k = 0; k < 4; k++) {
+          change[k][axis] += all[k];
+          magnitude[k] += fabs(all[k]);
+        }
+      }
+    for (int k = 0; k < 4; k++) {
+      ck_assert_double_gt(magnitude[k], 0);
+      for (int axis = 0; axis < 3; axis++)
+        ck_assert_msg(fabs(change[k][axis]) < 1e-6 * magnitude[k], "%s, force %d: %g of %g",
+                      hc_isa_name((hc_isa)isa), k, change[k][axis], magnitude[k]);
+    }
+  }
+  hc_free(f);
+  setting_free(&s);
+}
+END_TEST
+
+START_TEST(a_bad_velocity_shows_in_the_total) {
+  setting s;
+  make_cloud(&s, 300, 20);
+  const int32_t all = s.fluid.own;
+  for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+    const hc_sweeps *sweeps = hc_sweeps_of((hc_isa)isa);
+    for (int rule = 0; rule < 2; rule++) {
+      set_values(&s);
+      sweeps->density(&s.sweep, 0, all);
+      s.fluid.motion[150].v[1] = NAN;
+      hc_error_total total;
+      memset(&total, 0, sizeof total);
+      sweeps->error(&s.sweep, &rules[rule], 0, all, &total);
+      ck_assert(isnan(hc_sum_value(&total.sum)));
+    }
+  }
+  setting_free(&s);
+}
+END_TEST
+
+/* ---- the kernel ---- */
+
+enum { STEPS = 420, PER_RADIUS = 400 };
+
+/* One fluid and one boundary particle at each of q = 0, 1/400, ... 1.05; pairs far apart, in all directions.
+ */
+static void make_pairs(setting *s, vec *way) {
+  setting_init(s, 1.0);
+  hc_particles_resize(&s->fluid, STEPS + 1);
+  hc_particles_resize(&s->boundary, STEPS + 1);
+  for (int k = 0; k <= STEPS; k++) {
+    for (int axis = 0; axis < 3; axis++) way[k].x[axis] = random_number((uint64_t)(3 * k + axis));
+    const double length = norm(way[k]);
+    for (int axis = 0; axis < 3; axis++) {
+      way[k].x[axis] /= length;
+      const int64_t here = (axis == 2 ? 4 * (int64_t)k * HC_CELL_UNITS : 0) + 12345 * k;
+      const double away = way[k].x[axis] * k / PER_RADIUS * (double)HC_CELL_UNITS;
+      s->fluid.position[3 * k + axis] = here;
+      s->boundary.position[3 * k + axis] = here - (int64_t)llrint(away); /* x_i - x_b = + q way */
+    }
+  }
+  settle(s);
+  for (int k = 0; k <= STEPS; k++) s->boundary.place[k].scalar = (float)(PI * H * H * H / 8);
+  s->sweep.volume = (float)(PI * H * H * H / 8);
+}
+
+START_TEST(kernel_is_the_cubic_spline) {
+  setting s;
+  static vec way[STEPS + 1];
+  make_pairs(&s, way);
+  for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+    hc_sweeps_of((hc_isa)isa)->density(&s.sweep, 0, s.fluid.own);
+    double w[STEPS + 1], g[STEPS + 1];
+    for (int i = 0; i <= STEPS; i++) {
+      const int k = (int)s.fluid.id[i];
+      const double q = (double)k / PER_RADIUS;
+      w[k] = s.fluid.density[i] / REST_DENSITY - 1.0; /* without the particle's own share */
+      const float *b = &s.fluid.wall_gradient[3 * i];
+      g[k] = H * (b[0] * way[k].x[0] + b[1] * way[k].x[1] + b[2] * way[k].x[2]);
+      for (int axis = 0; axis < 3; axis++) /* along the line between the two */
+        ck_assert_double_eq_tol(H * b[axis], g[k] * way[k].x[axis], 3e-6);
+      const double outer = fmax(1 - q, 0), inner = fmax(0.5 - q, 0);
+      ck_assert_double_eq_tol(w[k], 2 * pow(outer, 3) - 8 * pow(inner, 3), 1e-6);
+      ck_assert_double_eq_tol(g[k], -6 * outer * outer + 24 * inner * inner, 1e-5);
+      if (q > 1) ck_assert(w[k] == 0 && g[k] == 0);
+    }
+    ck_assert_double_eq_tol(w[0], 1, 1e-6);
+    ck_assert_double_eq_tol(w[PER_RADIUS / 2], 0.25, 1e-6);
+    ck_assert_double_eq_tol(w[PER_RADIUS], 0, 1e-6);
+    for (int k = 1; k < STEPS; k++) {
+      const double difference = (w[k + 1] - w[k - 1]) * PER_RADIUS / 2;
+      ck_assert_msg(fabs(difference - g[k]) <= 3e-4, "gradient %g at q = %g, difference %g", g[k],
+                    (double)k / PER_RADIUS, difference);
+      ck_assert(fabs(w[k + 1] - w[k]) <= 2.01 / PER_RADIUS && w[k + 1] <= w[k] + 2e-7); /* no jump, no rise */
+      ck_assert(fabs(g[k + 1] - g[k]) <= 12.1 / PER_RADIUS);
+    }
+  }
+  setting_free(&s);
+}
+END_TEST
+
+/* A fine lattice of volumes around a particle anywhere in it: the kernel's integral, its gradient's integral.
+ */
+START_TEST(kernel_integrates_to_one) {
+  enum { EDGE = 19 };
+  setting s;
+  setting_init(&s, 1.0);
+  const int64_t spacing = HC_CELL_UNITS / 8;
+  hc_particles_resize(&s.boundary, EDGE * EDGE * EDGE);
+  for (int k = 0; k < EDGE * EDGE * EDGE; k++) {
+    const int place[3] = {k % EDGE, k / EDGE % EDGE, k / EDGE / EDGE};
+    for (int axis = 0; axis < 3; axis++)
+      s.boundary.position[3 * k + axis] = (place[axis] - EDGE / 2) * spacing;
+  }
+  hc_particles_resize(&s.fluid, 1);
+  for (int try = 0; try < 4; try++) {
+    for (int axis = 0; axis < 3; axis++)
+      s.fluid.position[axis] =
+          try == 0 ? 0 : (int64_t)(random_number((uint64_t)(3 * try + axis)) * (double)spacing);
+    settle(&s);
+    const double volume = H * H * H / 512;
+    for (int32_t k = 0; k < s.boundary.own; k++) s.boundary.place[k].scalar = (float)volume;
+    for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+      hc_sweeps_of((hc_isa)isa)->density(&s.sweep, 0, 1);
+      const double integral = s.fluid.density[0] / REST_DENSITY - VOLUME * kernel(0);
+      ck_assert_msg(fabs(integral - 1) < 2e-5, "integral %.9g", integral);
+      for (int axis = 0; axis < 3; axis++) ck_assert(fabs(H * s.fluid.wall_gradient[axis]) < 2e-4);
+    }
+  }
+  setting_free(&s);
+}
+END_TEST
+
+START_TEST(a_particle_alone_has_its_own_density) {
+  setting s;
+  setting_init(&s, 1.0);
+  hc_particles_resize(&s.fluid, 1);
+  settle(&s);
+  set_values(&s);
+  for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+    const hc_sweeps *sweeps = hc_sweeps_of((hc_isa)isa);
+    sweeps->density(&s.sweep, 0, 1);
+    ck_assert_double_eq_tol(s.fluid.density[0], REST_DENSITY * VOLUME * kernel(0), 1e-3);
+    ck_assert(s.fluid.alpha[0] == 0);
+    for (int axis = 0; axis < 3; axis++) ck_assert(s.fluid.wall_gradient[axis] == 0);
+    hc_error_total total;
+    memset(&total, 0, sizeof total);
+    sweeps->error(&s.sweep, &(hc_error_rule){.of_rate = 1, .signed_error = true, .relaxation = 1}, 0, 1,
+                  &total);
+    ck_assert(hc_sum_value(&total.sum) == 0 && total.max == 0 && s.fluid.place[0].scalar == 0);
+    float change[3] = {1, 1, 1};
+    sweeps->laminar(&s.sweep, 1, change, 0, 1);
+    ck_assert(change[0] == 0 && change[1] == 0 && change[2] == 0);
+  }
+  setting_free(&s);
+}
+END_TEST
+
+/* ---- boundary ---- */
+
+START_TEST(boundary_volumes_of_a_plane) {
+  enum { EDGE = 21 };
+  setting s;
+  setting_init(&s, 1.0);
+  const double dx = H / 2, factor = 0.7;
+  hc_particles_resize(&s.boundary, EDGE * EDGE);
+  for (int k = 0; k < EDGE * EDGE; k++) {
+    s.boundary.position[3 * k] = (k % EDGE) * HC_CELL_UNITS / 2;
+    s.boundary.position[3 * k + 1] = (k / EDGE) * HC_CELL_UNITS / 2;
+    s.boundary.position[3 * k + 2] = -HC_CELL_UNITS / 4;
+  }
+  settle(&s);
+  /* Around a point of a square lattice: 4 at dx and 4 at dx sqrt 2, the next are on the edge of the support.
+   */
+  const double inside = factor / (kernel(0) + 4 * kernel(dx) + 4 * kernel(dx * sqrt(2.0)));
+  const double corner = factor / (kernel(0) + 2 * kernel(dx) + kernel(dx * sqrt(2.0)));
+  for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+    hc_sweeps_of((hc_isa)isa)->boundary_volume(&s.sweep, &s.boundary, &s.boundary_list, (float)factor);
+    int interior = 0, corners = 0;
+    for (int k = 0; k < EDGE * EDGE; k++) {
+      const int x = (int)s.boundary.id[k] % EDGE, y = (int)s.boundary.id[k] / EDGE;
+      const bool edge_x = x == 0 || x == EDGE - 1, edge_y = y == 0 || y == EDGE - 1;
+      const double volume = s.boundary.volume[k];
+      ck_assert(s.boundary.place[k].scalar == s.boundary.volume[k]);
+      if (!edge_x && !edge_y) interior += fabs(volume / inside - 1) < TOLERANCE;
+      if (edge_x && edge_y) corners += fabs(volume / corner - 1) < TOLERANCE;
+    }
+    ck_assert_int_eq(interior, (EDGE - 2) * (EDGE - 2));
+    ck_assert_int_eq(corners, 4);
+  }
+  setting_free(&s);
+}
+END_TEST
+
+START_TEST(boundary_volumes_agree_with_plain_sums) {
+  setting s;
+  make_cloud(&s, 100, 300);
+  for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+    hc_sweeps_of((hc_isa)isa)->boundary_volume(&s.sweep, &s.boundary, &s.boundary_list, 0.9f);
+    for (int32_t i = 0; i < s.boundary.own; i++) {
+      double sum = 0;
+      for (int32_t j = 0; j < s.boundary.own; j++)
+        sum += kernel(norm(separation(&s, &s.boundary, i, &s.boundary, j)));
+      ck_assert(fabs(s.boundary.volume[i] * sum / 0.9 - 1) <= TOLERANCE);
+    }
+  }
+  setting_free(&s);
+}
+END_TEST
+
+int main(void) {
+  Suite *const suite = suite_create("sweeps");
+  TCase *const cases = tcase_create("pairs");
+  tcase_set_timeout(cases, 60);
+  tcase_add_test(cases, sweeps_agree_with_plain_sums);
+  tcase_add_test(cases, ranges_make_no_difference);
+  tcase_add_test(cases, vector_lengths_give_the_same_bits);
+  tcase_add_test(cases, pair_forces_conserve_momentum);
+  tcase_add_test(cases, a_bad_velocity_shows_in_the_total);
+  tcase_add_test(cases, kernel_is_the_cubic_spline);
+  tcase_add_test(cases, kernel_integrates_to_one);
+  tcase_add_test(cases, a_particle_alone_has_its_own_density);
+  tcase_add_test(cases, boundary_volumes_of_a_plane);
+  tcase_add_test(cases, boundary_volumes_agree_with_plain_sums);
+  suite_add_tcase(suite, cases);
+  SRunner *const runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}

@@ -1,0 +1,139 @@
+/* The choice of the time step: which bound governs, and how a run ends. */
+#include "stepping/time_step.h"
+
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const hc_step_settings usual = {.control = HC_STEP_CFL,
+                                       .size = 0.007,
+                                       .max = 0.004,
+                                       .factor = 0.4,
+                                       .spacing = 0.02,
+                                       .support_radius = 0.04,
+                                       .end_time = 100.0};
+
+static hc_step_report moving(double v_max, double force_max) {
+  hc_step_report report;
+  memset(&report, 0, sizeof report);
+  report.v_max = v_max;
+  report.force_max = force_max;
+  return report;
+}
+
+static void expect(const hc_step_settings *settings, double time, double before, hc_step_report report,
+                   hc_step_bound bound, double dt) {
+  hc_step_bound found = (hc_step_bound)-1;
+  const double step = hc_time_step_next(settings, time, before, &report, &found);
+  ck_assert_msg(found == bound, "%s governs, not %s", hc_step_bound_name(found), hc_step_bound_name(bound));
+  ck_assert_msg(fabs(step - dt) <= 1e-15 * dt, "a step of %.17g, expected %.17g", step, dt);
+}
+
+START_TEST(each_bound_governs_when_it_is_the_least) {
+  hc_step_settings settings = usual;
+  expect(&settings, 0, 0, moving(0, 0), HC_BOUND_SIZE, 0.004);
+  expect(&settings, 0, 0, moving(1, 1), HC_BOUND_SIZE, 0.004);
+  expect(&settings, 0, 0, moving(4, 1), HC_BOUND_VELOCITY, 0.4 * 0.02 / 4);
+  expect(&settings, 0, 0, moving(4, 4000), HC_BOUND_FORCE, 0.25 * sqrt(0.04 / 4000));
+  expect(&settings, 0, 0, moving(40, 4000), HC_BOUND_VELOCITY, 0.4 * 0.02 / 40);
+  settings.viscosity = 0.2;
+  expect(&settings, 0, 0, moving(4, 1), HC_BOUND_VISCOUS, 0.125 * 0.04 * 0.04 / 0.2);
+  expect(&settings, 0, 0, moving(10, 1), HC_BOUND_VELOCITY, 0.4 * 0.02 / 10);
+  expect(&settings, 0, 0.0005, moving(10, 1), HC_BOUND_GROWTH, 0.00055);
+  expect(&settings, 0, 0.0005, moving(20, 1), HC_BOUND_VELOCITY, 0.4 * 0.02 / 20);
+  settings.factor = 0.04;
+  expect(&settings, 0, 0, moving(10, 1), HC_BOUND_VELOCITY, 0.04 * 0.02 / 10);
+}
+END_TEST
+
+START_TEST(constant_steps_heed_nothing_but_the_end) {
+  hc_step_settings settings = usual;
+  settings.control = HC_STEP_CONSTANT;
+  settings.viscosity = 1e6;
+  expect(&settings, 0, 1e-9, moving(1e9, 1e9), HC_BOUND_SIZE, 0.007);
+  expect(&settings, 99.999, 1e-9, moving(1e9, 1e9), HC_BOUND_END, 100.0 - 99.999);
+}
+END_TEST
+
+START_TEST(steps_grow_by_a_tenth) {
+  hc_step_settings settings = usual;
+  double dt = 1e-4, time = 0;
+  hc_step_bound bound = HC_BOUND_GROWTH;
+  int steps = 0;
+  for (; bound == HC_BOUND_GROWTH && steps < 100; steps++) {
+    const hc_step_report report = moving(0.1, 1);
+    const double next = hc_time_step_next(&settings, time, dt, &report, &bound);
+    ck_assert(next <= 1.1 * dt);
+    time += next;
+    dt = next;
+  }
+  ck_assert(bound == HC_BOUND_SIZE && dt == 0.004);
+  ck_assert_int_eq(steps, 39); /* 1.1^38 < 40 < 1.1^39 */
+}
+END_TEST
+
+/* Steps of any size reach the end exactly, and the last one is no sliver. */
+START_TEST(a_run_ends_on_time) {
+  for (int k = 1; k <= 1500; k++) {
+    hc_step_settings settings = usual;
+    settings.control = HC_STEP_CONSTANT;
+    settings.size = 1.0 / k; /* 1/k adds up to just below or above 1 */
+    settings.end_time = 1.0;
+    double time = 0, dt = 0;
+    hc_step_bound bound = HC_BOUND_SIZE;
+    int steps = 0;
+    bool good = true; /* a ck_assert costs a system call */
+    for (; bound != HC_BOUND_END && steps <= k + 2; steps++) {
+      const hc_step_report report = moving(1, 1);
+      dt = hc_time_step_next(&settings, time, dt, &report, &bound);
+      good &= dt > 0.5 * settings.size && dt <= settings.size * (1 + 2e-9);
+      time += dt;
+    }
+    ck_assert(good && fabs(time - 1.0) <= 0x1p-53);
+    ck_assert_msg(steps == k, "%d steps of 1/%d", steps, k);
+  }
+}
+END_TEST
+
+START_TEST(the_end_is_not_overstepped) {
+  hc_step_settings settings = usual;
+  settings.end_time = 0.5;
+  expect(&settings, 0.4985, 0, moving(1, 1), HC_BOUND_END, 0.5 - 0.4985);
+  expect(&settings, 0.496, 0, moving(1, 1), HC_BOUND_END, 0.5 - 0.496);
+  expect(&settings, 0.495, 0, moving(1, 1), HC_BOUND_SIZE, 0.004);
+  expect(&settings, 0.496 - 1e-13, 0, moving(1, 1), HC_BOUND_END,
+         0.5 - (0.496 - 1e-13)); /* takes a sliver along */
+  expect(&settings, 0.496 - 1e-10, 0, moving(1, 1), HC_BOUND_SIZE, 0.004);
+  expect(&settings, 0.4999, 1e-5, moving(1, 1), HC_BOUND_GROWTH, 1.1e-5); /* the others still bind */
+}
+END_TEST
+
+START_TEST(every_bound_has_a_name) {
+  for (int bound = HC_BOUND_SIZE; bound <= HC_BOUND_END; bound++) {
+    ck_assert(hc_step_bound_name((hc_step_bound)bound)[0] != 0);
+    for (int other = 0; other < bound; other++)
+      ck_assert_str_ne(hc_step_bound_name((hc_step_bound)bound), hc_step_bound_name((hc_step_bound)other));
+  }
+  ck_assert_str_eq(hc_step_bound_name(HC_BOUND_VELOCITY), "velocity");
+  ck_assert_str_eq(hc_step_bound_name(HC_BOUND_END), "end of run");
+}
+END_TEST
+
+int main(void) {
+  Suite *const suite = suite_create("time_step");
+  TCase *const cases = tcase_create("bounds");
+  tcase_set_timeout(cases, 60);
+  tcase_add_test(cases, each_bound_governs_when_it_is_the_least);
+  tcase_add_test(cases, constant_steps_heed_nothing_but_the_end);
+  tcase_add_test(cases, steps_grow_by_a_tenth);
+  tcase_add_test(cases, a_run_ends_on_time);
+  tcase_add_test(cases, the_end_is_not_overstepped);
+  tcase_add_test(cases, every_bound_has_a_name);
+  suite_add_tcase(suite, cases);
+  SRunner *const runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
