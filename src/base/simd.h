@@ -132,8 +132,8 @@ HC_INLINE hc_float hc_keep(hc_float value, int32_t count) {
  * group. */
 HC_INLINE hc_float hc_keep_groups(hc_float value, int32_t count) {
 #if HC_HAS_AVX512
-  return (hc_float)_mm512_maskz_mov_ps(count > HC_GROUP ? (__mmask16)0xffff : (__mmask16)0x00ff,
-                                       (__m512)value);
+  const unsigned odd = (unsigned)(HC_GROUP - count) >> 31; /* no branch: nobody could predict it */
+  return (hc_float)_mm512_maskz_mov_ps((__mmask16)(0xffu | (0u - odd)), (__m512)value);
 #else
   (void)count;
   return value;
@@ -177,13 +177,14 @@ HC_INLINE void hc_sum_rows(const float *rows, float sum[HC_GROUP]) {
 HC_INLINE void hc_load_records(const void *base, const uint32_t *offset, hc_int column[4]) {
 #define HC_AT(k) ((const float *)((const char *)base + offset[k]))
 #if HC_HAS_AVX512
+  /* Masked broadcasts put a record in place without the shuffle unit, which the transposition keeps busy. */
+#  define HC_PUT(into, mask, k) _mm512_mask_broadcast_f32x4(into, mask, _mm_load_ps(HC_AT(k)))
 #  define HC_FOUR(k)                                                                                         \
-    _mm512_insertf32x4(_mm512_insertf32x4(_mm512_insertf32x4(_mm512_castps128_ps512(_mm_load_ps(HC_AT(k))),  \
-                                                             _mm_load_ps(HC_AT((k) + 4)), 1),                \
-                                          _mm_load_ps(HC_AT((k) + 8)), 2),                                   \
-                       _mm_load_ps(HC_AT((k) + 12)), 3)
+    HC_PUT(HC_PUT(HC_PUT(_mm512_castps128_ps512(_mm_load_ps(HC_AT(k))), 0x00f0, (k) + 4), 0x0f00, (k) + 8),  \
+           0xf000, (k) + 12)
   const __m512 a = HC_FOUR(0), b = HC_FOUR(1), c = HC_FOUR(2), d = HC_FOUR(3);
 #  undef HC_FOUR
+#  undef HC_PUT
   const __m512 ab_low = _mm512_unpacklo_ps(a, b), ab_high = _mm512_unpackhi_ps(a, b);
   const __m512 cd_low = _mm512_unpacklo_ps(c, d), cd_high = _mm512_unpackhi_ps(c, d);
   column[0] = (hc_int)_mm512_shuffle_ps(ab_low, cd_low, 0x44);

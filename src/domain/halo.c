@@ -275,41 +275,51 @@ void hc_halo_build(hc_halo *halo, hc_cells *cells) {
 /* ---- refreshes ---- */
 
 static size_t field_bytes(hc_halo_field field) {
-  return field == HC_HALO_PLACE_SCALAR ? 4 : field == HC_HALO_VELOCITY ? 12 : 16;
+  return field == HC_HALO_PLACE_SCALAR ? 4 : sizeof(hc_record);
 }
 
-/* First byte of the field in the records that hold it. */
-static char *field_data(const hc_particles *particles, hc_halo_field field) {
-  return field == HC_HALO_PLACE_SCALAR ? (char *)&particles->place->scalar : (char *)particles->motion;
+/* Writes the field of particles [begin, begin + count) and returns where the next goes. */
+static char *pack_cell(char *to, const hc_particles *particles, hc_halo_field field, int32_t begin,
+                       int32_t count) {
+  if (field == HC_HALO_MOTION) {
+    memcpy(to, particles->motion + begin, (size_t)count * sizeof *particles->motion);
+  } else {
+    float *scalars = (float *)(void *)to;
+    for (int32_t k = 0; k < count; k++) scalars[k] = particles->place[begin + k].scalar;
+  }
+  return to + (size_t)count * field_bytes(field);
 }
 
-static void copy_strided(char *restrict to, size_t to_stride, const char *restrict from, size_t from_stride,
-                         int32_t count, size_t bytes) {
-  for (int32_t k = 0; k < count; k++, to += to_stride, from += from_stride) memcpy(to, from, bytes);
-}
-
-static void pack(hc_halo *halo, size_t bytes) {
-  const char *data = field_data(halo->particles, halo->field);
+static void pack(hc_halo *halo) {
   char *to = halo->send_buffer;
   for (int partner = 0; partner < halo->send_count; partner++) {
     halo->send[partner].data = to;
     for (int32_t k = halo->send_begin[partner]; k < halo->send_begin[partner + 1]; k++) {
       const int32_t brick = halo->cells[k].slot / HC_BRICK_CELLS;
       const int cell = halo->cells[k].slot % HC_BRICK_CELLS;
-      const int32_t count = halo->source->count[brick][cell];
-      const char *from = data + (size_t)halo->source->begin[brick][cell] * sizeof(hc_record);
-      copy_strided(to, bytes, from, sizeof(hc_record), count, bytes);
-      to += (size_t)count * bytes;
+      to = pack_cell(to, halo->particles, halo->field, halo->source->begin[brick][cell],
+                     halo->source->count[brick][cell]);
     }
     halo->send[partner].bytes = (size_t)(to - (char *)halo->send[partner].data);
   }
+}
+
+static void unpack(const hc_halo *halo) {
+  const hc_particles *particles = halo->particles;
+  if (halo->field == HC_HALO_MOTION) {
+    memcpy(particles->motion + particles->own, halo->receive_buffer,
+           (size_t)particles->ghosts * sizeof *particles->motion);
+    return;
+  }
+  const float *scalars = (const float *)(const void *)halo->receive_buffer;
+  for (int32_t k = 0; k < particles->ghosts; k++) particles->place[particles->own + k].scalar = scalars[k];
 }
 
 void hc_halo_begin(hc_halo *halo, hc_halo_field field) {
   HC_CHECK(!halo->pending, "one refresh at a time");
   const size_t bytes = field_bytes(field);
   halo->field = field;
-  pack(halo, bytes);
+  pack(halo);
   hc_reserve((void **)&halo->receive_buffer, &halo->receive_capacity, (size_t)halo->particles->ghosts * bytes,
              0, 1);
   for (int m = 0; m < halo->receive_count; m++) {
@@ -325,9 +335,7 @@ void hc_halo_begin(hc_halo *halo, hc_halo_field field) {
 void hc_halo_end(hc_halo *halo) {
   HC_CHECK(halo->pending, "no refresh is under way");
   hc_comm_exchange_end(halo->domain->comm, &halo->exchange);
-  const size_t bytes = field_bytes(halo->field);
-  char *to = field_data(halo->particles, halo->field) + (size_t)halo->particles->own * sizeof(hc_record);
-  copy_strided(to, sizeof(hc_record), halo->receive_buffer, bytes, halo->particles->ghosts, bytes);
+  unpack(halo);
   halo->pending = false;
 }
 

@@ -15,7 +15,6 @@
 /* What a refresh carries. */
 typedef enum hc_halo_field {
   HC_HALO_PLACE_SCALAR, /* place.scalar: a multiplier of the pressure solvers, a boundary volume */
-  HC_HALO_VELOCITY,     /* motion.v */
   HC_HALO_MOTION        /* motion: velocity and 1/density */
 } hc_halo_field;
 

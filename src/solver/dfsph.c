@@ -41,18 +41,28 @@ static void warm_start(const solve *solve, int32_t begin, int32_t end) {
   }
 }
 
-/* Predicts the errors of all own particles and gives ghosts their multipliers; with `warm`, the warm start's.
- */
-static hc_error_total predict(const solve *solve, bool warm) {
+/* Predicts the errors of all own particles and gives ghosts their multipliers. The first prediction of a
+ * solve takes over the warm start's multipliers; the first of a step finds the density rates ready, from the
+ * density sweep. */
+typedef enum prediction { FROM_RATES, FIRST, AGAIN } prediction;
+
+static void predict_range(const solve *solve, prediction which, int32_t begin, int32_t end,
+                          hc_error_total *total) {
   hc_world *world = solve->world;
-  const int32_t border = world->fluid.border, own = world->fluid.own;
+  if (which == FROM_RATES)
+    hc_error_from_rate(&world->sweep, &solve->rule, begin, end, total);
+  else
+    world->sweeps->error(&world->sweep, &solve->rule, begin, end, total);
+  if (which != AGAIN) warm_start(solve, begin, end);
+}
+
+static hc_error_total predict(const solve *solve, prediction which) {
+  hc_world *world = solve->world;
   hc_error_total total;
   memset(&total, 0, sizeof total);
-  world->sweeps->error(&world->sweep, &solve->rule, 0, border, &total);
-  if (warm) warm_start(solve, 0, border);
+  predict_range(solve, which, 0, world->fluid.border, &total);
   hc_halo_begin(&world->halo, HC_HALO_PLACE_SCALAR);
-  world->sweeps->error(&world->sweep, &solve->rule, border, own, &total);
-  if (warm) warm_start(solve, border, own);
+  predict_range(solve, which, world->fluid.border, world->fluid.own, &total);
   hc_halo_end(&world->halo);
   return total;
 }
@@ -62,22 +72,23 @@ static void correct(const solve *solve) {
   hc_world *world = solve->world;
   const int32_t border = world->fluid.border, own = world->fluid.own;
   world->sweeps->pressure(&world->sweep, solve->weight, solve->multiplier, 0, border);
-  hc_halo_begin(&world->halo, HC_HALO_VELOCITY);
+  hc_halo_begin(&world->halo, HC_HALO_MOTION);
   world->sweeps->pressure(&world->sweep, solve->weight, solve->multiplier, border, own);
   hc_halo_end(&world->halo);
 }
 
 /* Algorithms 3 and 4: predict, then correct and predict until the average error is below the threshold. */
-static solved iterate(const solve *solve) {
+static solved iterate(const solve *solve, prediction first) {
   hc_world *world = solve->world;
   const double particles = world->fluid_total > 0 ? (double)world->fluid_total : 1.0;
-  predict(solve, true);
+  predict(solve, first);
   correct(solve);
   solved result = {0, false, 0.0, 0.0};
   for (;;) {
-    hc_error_total total = predict(solve, false);
-    hc_comm_sum_exact(world->comm, &total.sum, 1);
-    result.average = hc_sum_value(&total.sum) / particles;
+    const hc_error_total total = predict(solve, AGAIN);
+    hc_sum sum = hc_error_sum(&total);
+    hc_comm_sum_exact(world->comm, &sum, 1);
+    result.average = hc_sum_value(&sum) / particles;
     result.max = total.max;
     if (result.average <= solve->threshold && result.iterations >= solve->min) break;
     if (result.iterations >= solve->max) {
@@ -89,14 +100,6 @@ static solved iterate(const solve *solve) {
   }
   hc_comm_max_f64(world->comm, &result.max, 1);
   return result;
-}
-
-static void density_and_factors(hc_world *world) {
-  const int32_t border = world->fluid.border, own = world->fluid.own;
-  world->sweeps->density(&world->sweep, 0, border);
-  hc_halo_begin(&world->halo, HC_HALO_MOTION);
-  world->sweeps->density(&world->sweep, border, own);
-  hc_halo_end(&world->halo);
 }
 
 /* Algorithm 4: the average of positive density rates goes below divergence_error/dt. */
@@ -111,7 +114,7 @@ static solved correct_divergence_error(hc_world *world, const hc_solver_settings
                        .threshold = settings->divergence_error / dt,
                        .min = settings->divergence_min,
                        .max = settings->divergence_max};
-  return iterate(&solve);
+  return iterate(&solve, FROM_RATES);
 }
 
 /* Algorithm 3: the average of predicted compressions goes below density_error_avg. */
@@ -126,7 +129,7 @@ static solved correct_density_error(hc_world *world, const hc_solver_settings *s
                        .threshold = settings->density_error_avg,
                        .min = settings->density_min,
                        .max = settings->density_max};
-  return iterate(&solve);
+  return iterate(&solve, FIRST);
 }
 
 static void store_pressure(hc_particles *fluid, double rest_density, double dt) {
@@ -142,9 +145,9 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
   memset(report, 0, sizeof *report);
   hc_remember_velocities(world);
 
-  /* densities rho_i, factors alpha_i */
+  /* densities rho_i, factors alpha_i; and already the rates D rho_i/Dt, from the same neighbours */
   hc_stopwatch_enter(&world->watch, HC_STAGE_DENSITY);
-  density_and_factors(world);
+  world->sweeps->density(&world->sweep, 0, world->fluid.own);
 
   /* correctDivergenceError(alpha, v) */
   hc_stopwatch_enter(&world->watch, HC_STAGE_DIVERGENCE);

@@ -73,7 +73,7 @@ void hc_apply_forces(hc_world *world, const hc_solver_settings *settings, double
   float *change = hc_particles_scratch(fluid, 3 * sizeof *change);
   viscous_change(world, settings, dt, change);
   accelerate(fluid, change, settings->gravity, dt, 0, fluid->border);
-  hc_halo_begin(&world->halo, HC_HALO_VELOCITY);
+  hc_halo_begin(&world->halo, HC_HALO_MOTION);
   accelerate(fluid, change, settings->gravity, dt, fluid->border, fluid->own);
   report->force_max = largest_force(world, settings, dt, change);
   hc_halo_end(&world->halo);

@@ -84,9 +84,11 @@ double hc_world_settle(hc_world *world) {
 }
 
 static void refresh_motion(hc_particles *fluid) {
-  for (int32_t k = 0; k < fluid->own; k++)
+  for (int32_t k = 0; k < fluid->own; k++) {
     for (int axis = 0; axis < 3; axis++)
       fluid->motion[k].v[axis] = (float)fluid->velocity[3 * (size_t)k + axis];
+    fluid->motion[k].scalar = 0.0f;
+  }
 }
 
 void hc_world_update(hc_world *world) {
@@ -95,10 +97,12 @@ void hc_world_update(hc_world *world) {
   sort_and_halo(world, &world->fluid, &world->cells, &world->halo);
   hc_stopwatch_enter(&world->watch, HC_STAGE_LISTS);
   refresh_motion(&world->fluid);
+  hc_halo_begin(&world->halo, HC_HALO_MOTION);
   hc_neighbors_build(&world->list, &world->search, &world->cells, &world->fluid, &world->cells,
                      &world->fluid);
   hc_neighbors_build(&world->walls, &world->search, &world->cells, &world->fluid, &world->boundary_cells,
                      &world->boundary);
+  hc_halo_end(&world->halo);
 }
 
 static bool near_fluid(const hc_cells *fluid, const int32_t adjacent[HC_ADJACENT], int cell) {

@@ -47,7 +47,7 @@ double hc_world_settle(hc_world *world);
 double hc_world_rebalance(hc_world *world);
 
 /* After fluid particles have moved: migrate, sort, ghosts, neighbour lists. Collective.
- * Afterwards place of own and ghost particles is current; motion of own ones too, of ghosts not. */
+ * Afterwards place and velocity of own and ghost particles are current; 1/density is not known yet. */
 void hc_world_update(hc_world *world);
 
 /* Share of all boundary particles that lie in or next to a cell with fluid. Collective. */

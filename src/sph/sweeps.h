@@ -38,17 +38,19 @@ typedef struct hc_error_rule {
                         ways */
 } hc_error_rule;
 
-/* What an error sweep adds up. */
+/* What an error sweep adds up: |e_i| in units of 2^-30, rounded each by itself, so that the sum does not
+ * depend on the order; and the largest. */
 typedef struct hc_error_total {
-  hc_sum sum;
+  __int128 sum;
   float max;
+  bool not_finite; /* an error was no number or beyond 2^30 */
 } hc_error_total;
 
 /* Viscosity as the sweeps see it: velocity change = weight * sum, see each sweep. */
 typedef struct hc_sweeps {
-  /* density = rho0 (V sum W + sum_b V_b W), motion.scalar = 1/D, wall_density = sum_b V_b W and its gradient
-   * wall_gradient B,
-   * alpha = 1/(|V sum grad W + B|^2 + V^2 sum |grad W|^2), 0 where the denominator vanishes.
+  /* What follows from positions and velocities alone: density = rho0 (V sum W + sum_b V_b W), motion.scalar =
+   * 1/D, wall_density = sum_b V_b W and its gradient wall_gradient B, alpha = 1/(|V sum grad W + B|^2 + V^2
+   * sum |grad W|^2), 0 where the denominator vanishes; and place.scalar = dD/dt, as the error sweep has it.
    * Akinci et al. 2012; Bender and Koschier 2015, eq. 9; the squared sum runs over fluid neighbours only. */
   void (*density)(const hc_sweep *sweep, int32_t begin, int32_t end);
 
@@ -86,6 +88,13 @@ const hc_sweeps *hc_sweeps_of(hc_isa isa);
 const hc_sweeps *hc_sweeps_portable(void);
 const hc_sweeps *hc_sweeps_avx2(void);
 const hc_sweeps *hc_sweeps_avx512(void);
+
+/* The end of an error sweep for particles whose place.scalar already holds dD/dt. */
+void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, int32_t begin, int32_t end,
+                        hc_error_total *total);
+
+/* The sum as an exact sum, NaN if an error was not finite. */
+hc_sum hc_error_sum(const hc_error_total *total);
 
 /* Kernel constants for a support radius and particle volume; the arrays are left null. */
 hc_sweep hc_sweep_make(const hc_frame *frame, double volume, double rest_density);

@@ -8,6 +8,7 @@
 #include "sweeps.h"
 
 #include "base/simd.h"
+#include "error_rule.h"
 
 enum { PREFETCH = 2048 }; /* bytes of the list ahead of use; without it large sets run at half the speed */
 
@@ -181,33 +182,39 @@ static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
   hc_particles *fluid = sweep->fluid;
   const float smallest = 1e-5f / (sweep->support * sweep->support);
   const float weight = sweep->volume * sweep->gradient;
-  block_sums densities, squares, wall_densities;
+  block_sums densities, squares, rates, wall_densities;
   block_vectors gradients, wall_gradients;
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
     for (int32_t k = 0; k < count; k++) {
       const self own = make_self(sweep, &fluid->place[first + k]);
       const row row = row_of(sweep->list, first + k);
-      sums sum = {{{0}}}, square = {{{0}}};
+      const vector velocity = spread_velocity(&fluid->motion[first + k]);
+      sums sum = {{{0}}}, square = {{{0}}}, rate = {{{0}}};
       vector_sums gradient = no_sums();
       for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
         for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
           const int32_t at = pass + part * HC_GROUP;
           const pair p = load_pair(&own, fluid->place, row.offset + at);
-          const vector d = direction(&p);
+          hc_float unused;
+          const vector other = load_velocity(fluid->motion, row.offset + at, &unused);
+          const vector relative = relative_velocity(&velocity, &other), d = direction(&p);
           const hc_float factor = hc_keep_groups(slope_over_q(p.q), row.entries - at);
           sum.part[part] += hc_keep(kernel(p.q), row.count - at);
           square.part[part] = hc_fma(factor * factor, p.q2, square.part[part]);
+          rate.part[part] = hc_fma(factor, dot_pair(&relative, &p), rate.part[part]);
           add_scaled(&gradient, part, factor, &d);
         }
       }
       hc_store_lanes(sum.part, densities.lanes[k]);
       hc_store_lanes(square.part, squares.lanes[k]);
+      hc_store_lanes(rate.part, rates.lanes[k]);
       store_vector(&gradients, k, &gradient);
       sum_walls(sweep, &own, first + k, k, &wall_densities, &wall_gradients);
     }
     add_up(&densities, count);
     add_up(&squares, count);
+    add_up(&rates, count);
     add_up(&wall_densities, count);
     add_up_vectors(&gradients, count);
     add_up_vectors(&wall_gradients, count);
@@ -221,6 +228,8 @@ static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
       const float x = weight * gradients.x.total[k] + wall[0], y = weight * gradients.y.total[k] + wall[1],
                   z = weight * gradients.z.total[k] + wall[2];
       const float denominator = x * x + y * y + z * z + weight * weight * squares.total[k];
+      const float *v = fluid->motion[i].v;
+      fluid->place[i].scalar = weight * rates.total[k] + (v[0] * wall[0] + v[1] * wall[1] + v[2] * wall[2]);
       memcpy(&fluid->wall_gradient[3 * (size_t)i], wall, sizeof wall);
       fluid->wall_density[i] = of_walls;
       fluid->density[i] = sweep->rest_density * relative;
@@ -232,26 +241,11 @@ static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
 
 /* ---- the pressure solvers' two sweeps ---- */
 
-/* From the density rate of one particle to its error and multiplier. */
-HC_INLINE void apply_rule(const hc_sweep *sweep, const hc_error_rule *rule, int32_t i, float rate,
-                          hc_error_total *total) {
-  hc_particles *fluid = sweep->fluid;
-  float e =
-      rule->of_density * (fluid->density[i] * (1.0f / sweep->rest_density) - 1.0f) + rule->of_rate * rate;
-  if (sweep->list->count[i] + sweep->walls->count[i] < rule->min_neighbors) e = 0.0f;
-  if (e < 0.0f && !rule->signed_error) e = 0.0f;
-  fluid->place[i].scalar = rule->relaxation * fluid->alpha[i] * e;
-  const float size = fabsf(e);
-  if (size != 0.0f) { /* a NaN counts */
-    hc_sum_add(&total->sum, size);
-    if (!(size <= total->max)) total->max = size;
-  }
-}
-
 static void error(const hc_sweep *sweep, const hc_error_rule *rule, int32_t begin, int32_t end,
                   hc_error_total *total) {
   const hc_particles *fluid = sweep->fluid;
   const float weight = sweep->volume * sweep->gradient;
+  const float per_density = 1.0f / sweep->rest_density;
   block_sums rates;
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
@@ -277,7 +271,7 @@ static void error(const hc_sweep *sweep, const hc_error_rule *rule, int32_t begi
     for (int32_t k = 0; k < count; k++) {
       const float *wall = &fluid->wall_gradient[3 * (size_t)(first + k)], *v = fluid->motion[first + k].v;
       const float wall_rate = v[0] * wall[0] + v[1] * wall[1] + v[2] * wall[2];
-      apply_rule(sweep, rule, first + k, weight * rates.total[k] + wall_rate, total);
+      hc_error_apply(sweep, rule, per_density, first + k, weight * rates.total[k] + wall_rate, total);
     }
   }
 }

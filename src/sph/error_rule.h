@@ -1,0 +1,27 @@
+/* From a particle's density rate to its error and multiplier: the step that the sweeps share. */
+#ifndef HC_ERROR_RULE_H
+#define HC_ERROR_RULE_H
+
+#include "sweeps.h"
+
+#include <math.h>
+
+static const double HC_ERROR_UNITS = 0x1p30;
+
+static inline void hc_error_apply(const hc_sweep *sweep, const hc_error_rule *rule, float per_density,
+                                  int32_t i, float rate, hc_error_total *total) {
+  hc_particles *fluid = sweep->fluid;
+  float e = rule->of_density * (fluid->density[i] * per_density - 1.0f) + rule->of_rate * rate;
+  if (sweep->list->count[i] + sweep->walls->count[i] < rule->min_neighbors) e = 0.0f;
+  if (e < 0.0f && !rule->signed_error) e = 0.0f;
+  fluid->place[i].scalar = rule->relaxation * fluid->alpha[i] * e;
+  const float size = fabsf(e);
+  if (!(size < 0x1p30f)) { /* a NaN too */
+    total->not_finite = true;
+    return;
+  }
+  total->sum += (int64_t)llrint((double)size * HC_ERROR_UNITS);
+  if (size > total->max) total->max = size;
+}
+
+#endif
