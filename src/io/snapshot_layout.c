@@ -18,7 +18,7 @@ enum {
   SLICE = 65536,         /* particles converted at a time */
   PLAIN_SLICE = 1 << 24, /* rows of a direct write: below the 2 GiB of one MPI call */
   CHUNK = 65536,         /* rows of a compressed chunk */
-  WINDOW = 8 * CHUNK,    /* rows of a compressed write */
+  WINDOW = 2 * CHUNK,    /* rows of a compressed write */
   HEADERS = 65536,       /* room for all metadata; about 20 KiB are used */
   FLUID = 0,
   BOUNDARY = 1

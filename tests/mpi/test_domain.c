@@ -120,6 +120,7 @@ static void check_owners(void) {
     before = owner;
     digest = mix(digest + (uint64_t)owner);
   }
+  for (int k = 1; k < comm.size - 1; k++) good &= compare(&domain.cuts[k - 1], &domain.cuts[k]) <= 0;
   EXPECT(good);
   EXPECT(same_on_all_ranks(digest));
 }

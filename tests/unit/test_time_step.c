@@ -32,18 +32,18 @@ static void expect(const hc_step_settings *settings, double time, double before,
 
 START_TEST(each_bound_governs_when_it_is_the_least) {
   hc_step_settings settings = usual;
-  expect(&settings, 0, 0, moving(0, 0), HC_BOUND_SIZE, 0.004);
-  expect(&settings, 0, 0, moving(1, 1), HC_BOUND_SIZE, 0.004);
-  expect(&settings, 0, 0, moving(4, 1), HC_BOUND_VELOCITY, 0.4 * 0.02 / 4);
-  expect(&settings, 0, 0, moving(4, 4000), HC_BOUND_FORCE, 0.25 * sqrt(0.04 / 4000));
-  expect(&settings, 0, 0, moving(40, 4000), HC_BOUND_VELOCITY, 0.4 * 0.02 / 40);
+  expect(&settings, 0, 1, moving(0, 0), HC_BOUND_SIZE, 0.004);
+  expect(&settings, 0, 1, moving(1, 1), HC_BOUND_SIZE, 0.004);
+  expect(&settings, 0, 1, moving(4, 1), HC_BOUND_VELOCITY, 0.4 * 0.02 / 4);
+  expect(&settings, 0, 1, moving(4, 4000), HC_BOUND_FORCE, 0.25 * sqrt(0.04 / 4000));
+  expect(&settings, 0, 1, moving(40, 4000), HC_BOUND_VELOCITY, 0.4 * 0.02 / 40);
   settings.viscosity = 0.2;
-  expect(&settings, 0, 0, moving(4, 1), HC_BOUND_VISCOUS, 0.125 * 0.04 * 0.04 / 0.2);
-  expect(&settings, 0, 0, moving(10, 1), HC_BOUND_VELOCITY, 0.4 * 0.02 / 10);
+  expect(&settings, 0, 1, moving(4, 1), HC_BOUND_VISCOUS, 0.125 * 0.04 * 0.04 / 0.2);
+  expect(&settings, 0, 1, moving(10, 1), HC_BOUND_VELOCITY, 0.4 * 0.02 / 10);
   expect(&settings, 0, 0.0005, moving(10, 1), HC_BOUND_GROWTH, 0.00055);
   expect(&settings, 0, 0.0005, moving(20, 1), HC_BOUND_VELOCITY, 0.4 * 0.02 / 20);
   settings.factor = 0.04;
-  expect(&settings, 0, 0, moving(10, 1), HC_BOUND_VELOCITY, 0.04 * 0.02 / 10);
+  expect(&settings, 0, 1, moving(10, 1), HC_BOUND_VELOCITY, 0.04 * 0.02 / 10);
 }
 END_TEST
 
@@ -73,6 +73,17 @@ START_TEST(steps_grow_by_a_tenth) {
 }
 END_TEST
 
+/* Nothing is known of the pressure at first. */
+START_TEST(the_first_step_is_short) {
+  hc_step_settings settings = usual;
+  expect(&settings, 0, 0, moving(0, 0), HC_BOUND_GROWTH, 0.001);
+  expect(&settings, 0, 0, moving(1, 9.81), HC_BOUND_GROWTH, 0.001);
+  expect(&settings, 0, 0, moving(16, 9.81), HC_BOUND_VELOCITY, 0.4 * 0.02 / 16);
+  settings.control = HC_STEP_CONSTANT;
+  expect(&settings, 0, 0, moving(16, 9.81), HC_BOUND_SIZE, 0.007);
+}
+END_TEST
+
 /* Steps of any size reach the end exactly, and the last one is no sliver. */
 START_TEST(a_run_ends_on_time) {
   for (int k = 1; k <= 1500; k++) {
@@ -99,12 +110,12 @@ END_TEST
 START_TEST(the_end_is_not_overstepped) {
   hc_step_settings settings = usual;
   settings.end_time = 0.5;
-  expect(&settings, 0.4985, 0, moving(1, 1), HC_BOUND_END, 0.5 - 0.4985);
-  expect(&settings, 0.496, 0, moving(1, 1), HC_BOUND_END, 0.5 - 0.496);
-  expect(&settings, 0.495, 0, moving(1, 1), HC_BOUND_SIZE, 0.004);
-  expect(&settings, 0.496 - 1e-13, 0, moving(1, 1), HC_BOUND_END,
+  expect(&settings, 0.4985, 1, moving(1, 1), HC_BOUND_END, 0.5 - 0.4985);
+  expect(&settings, 0.496, 1, moving(1, 1), HC_BOUND_END, 0.5 - 0.496);
+  expect(&settings, 0.495, 1, moving(1, 1), HC_BOUND_SIZE, 0.004);
+  expect(&settings, 0.496 - 1e-13, 1, moving(1, 1), HC_BOUND_END,
          0.5 - (0.496 - 1e-13)); /* takes a sliver along */
-  expect(&settings, 0.496 - 1e-10, 0, moving(1, 1), HC_BOUND_SIZE, 0.004);
+  expect(&settings, 0.496 - 1e-10, 1, moving(1, 1), HC_BOUND_SIZE, 0.004);
   expect(&settings, 0.4999, 1e-5, moving(1, 1), HC_BOUND_GROWTH, 1.1e-5); /* the others still bind */
 }
 END_TEST
@@ -127,6 +138,7 @@ int main(void) {
   tcase_add_test(cases, each_bound_governs_when_it_is_the_least);
   tcase_add_test(cases, constant_steps_heed_nothing_but_the_end);
   tcase_add_test(cases, steps_grow_by_a_tenth);
+  tcase_add_test(cases, the_first_step_is_short);
   tcase_add_test(cases, a_run_ends_on_time);
   tcase_add_test(cases, the_end_is_not_overstepped);
   tcase_add_test(cases, every_bound_has_a_name);
