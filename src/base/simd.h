@@ -43,6 +43,7 @@ enum { HC_LANES = 8, HC_PARTS = 2 };
 
 typedef float hc_float __attribute__((vector_size(4 * HC_LANES)));
 typedef int32_t hc_int __attribute__((vector_size(4 * HC_LANES)));
+typedef uint32_t hc_unsigned __attribute__((vector_size(4 * HC_LANES)));
 
 HC_INLINE hc_float hc_set(float value) {
 #if HC_HAS_AVX512
@@ -112,6 +113,11 @@ HC_INLINE hc_float hc_min(hc_float a, hc_float b) {
   const hc_int mask = a < b;
   return (hc_float)(((hc_int)a & mask) | ((hc_int)b & ~mask));
 #endif
+}
+
+/* a - b, wrapping around: the difference of two fixed-point coordinates of nearby particles. */
+HC_INLINE hc_int hc_wrapped_difference(hc_int a, hc_int b) {
+  return (hc_int)((hc_unsigned)a - (hc_unsigned)b);
 }
 
 HC_INLINE hc_float hc_from_int(hc_int a) {

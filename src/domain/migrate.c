@@ -57,6 +57,7 @@ static int ascending(const void *a, const void *b) {
 }
 
 int32_t hc_domain_migrate(hc_domain *domain, hc_particles *particles) {
+  hc_particles_resize(particles, particles->own); /* ghosts go */
   if (domain->comm->size == 1) return 0;
   leaver *leavers;
   const int32_t count = find_leavers(domain, particles, &leavers);

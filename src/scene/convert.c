@@ -228,7 +228,7 @@ static bool convert_component(const hc_conversion *c, const hc_yaml_node *node, 
     if (good) *(int *)member = (int)integer;
     return good;
   default:
-    HC_CHECK(false, "key '%s' of kind %d is no scalar", c->param->path, c->param->kind);
+    hc_check_failed(__FILE__, __LINE__, "key '%s' of kind %d is no scalar", c->param->path, c->param->kind);
   }
 }
 

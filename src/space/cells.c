@@ -203,7 +203,7 @@ void hc_cells_order(hc_cells *cells, hc_particles *particles) {
   hc_free(sorted);
 
   hc_reserve((void **)&cells->order, &cells->order_capacity, (size_t)own, 0, sizeof *cells->order);
-  int32_t *begin = &cells->begin[0][0], *count = &cells->count[0][0];
+  int32_t *begin = (int32_t *)cells->begin, *count = (int32_t *)cells->count; /* by slot */
   for (int32_t k = 0; k < own; k++) cells->order[begin[cells->slot[k]]++] = k;
   for (int32_t k = 0; k < cells->own_cell_count; k++) {
     const int32_t slot = cells->own_cells[k];

@@ -44,11 +44,10 @@ static void append(hc_neighbor_search *search, int32_t end, const hc_record *pla
                    int32_t count) {
   int32_t *restrict xy = search->xy + end, *restrict z = search->z + end;
   uint32_t *restrict offset = search->offset + end;
-  const int32_t bytes = (int32_t)sizeof(hc_record);
   for (int32_t k = 0; k < count; k += HC_LANES) {
     uint32_t lanes[HC_LANES];
-    const hc_int offsets =
-        hc_lane_numbers() * bytes + hc_set_int((int32_t)((uint32_t)(begin + k) * (uint32_t)bytes));
+    const hc_unsigned offsets =
+        ((hc_unsigned)hc_lane_numbers() + (uint32_t)(begin + k)) * (uint32_t)sizeof(hc_record);
     memcpy(lanes, &offsets, sizeof lanes);
     hc_int column[4];
     hc_load_records(place, lanes, column);

@@ -61,9 +61,9 @@ HC_INLINE pair load_pair(const self *own, const hc_record *place, const uint32_t
   hc_int column[4];
   hc_load_records(place, offset, column);
   pair p;
-  p.x = hc_from_int(own->x - column[0]) * own->scale_x;
-  p.y = hc_from_int(own->y - column[1]) * own->scale_y;
-  p.z = hc_from_int(own->z - column[2]) * own->scale_z;
+  p.x = hc_from_int(hc_wrapped_difference(own->x, column[0])) * own->scale_x;
+  p.y = hc_from_int(hc_wrapped_difference(own->y, column[1])) * own->scale_y;
+  p.z = hc_from_int(hc_wrapped_difference(own->z, column[2])) * own->scale_z;
   p.q2 = hc_fma(p.z, p.z, hc_fma(p.y, p.y, p.x * p.x));
   p.q = hc_sqrt(p.q2);
   p.scalar = (hc_float)column[3];
