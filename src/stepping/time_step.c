@@ -20,9 +20,9 @@ double hc_time_step_next(const hc_step_settings *settings, double time, double d
       shrink(&dt, settings->factor * settings->spacing / report->v_max, HC_BOUND_VELOCITY, bound);
     if (report->force_max > 0.0)
       shrink(&dt, 0.25 * sqrt(settings->support_radius / report->force_max), HC_BOUND_FORCE, bound);
+    const double smoothing_length = 0.5 * settings->support_radius;
     if (settings->viscosity > 0.0)
-      shrink(&dt, 0.125 * settings->support_radius * settings->support_radius / settings->viscosity,
-             HC_BOUND_VISCOUS, bound);
+      shrink(&dt, 0.125 * smoothing_length * smoothing_length / settings->viscosity, HC_BOUND_VISCOUS, bound);
     /* A run starts without pressure, which takes iterations to build up: fewest from a short first step on.
      */
     shrink(&dt, dt_before > 0.0 ? 1.1 * dt_before : FIRST_STEP * settings->max, HC_BOUND_GROWTH, bound);

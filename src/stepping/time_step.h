@@ -11,7 +11,7 @@ typedef enum hc_step_bound {
   HC_BOUND_SIZE,     /* constant, or the largest allowed */
   HC_BOUND_VELOCITY, /* factor * spacing / v_max (Bender and Koschier 2015) */
   HC_BOUND_FORCE,    /* 0.25 sqrt(h / F) with F the largest non-pressure acceleration (Monaghan 1992) */
-  HC_BOUND_VISCOUS,  /* 0.125 h^2 / nu (Morris et al. 1997) */
+  HC_BOUND_VISCOUS,  /* 0.125 (h/2)^2 / nu (Morris et al. 1997, whose h is half the support radius) */
   HC_BOUND_GROWTH,   /* a tenth more than the last step, a quarter of the largest at first */
   HC_BOUND_END       /* the end of the run */
 } hc_step_bound;

@@ -37,8 +37,8 @@ START_TEST(each_bound_governs_when_it_is_the_least) {
   expect(&settings, 0, 1, moving(4, 1), HC_BOUND_VELOCITY, 0.4 * 0.02 / 4);
   expect(&settings, 0, 1, moving(4, 4000), HC_BOUND_FORCE, 0.25 * sqrt(0.04 / 4000));
   expect(&settings, 0, 1, moving(40, 4000), HC_BOUND_VELOCITY, 0.4 * 0.02 / 40);
-  settings.viscosity = 0.2;
-  expect(&settings, 0, 1, moving(4, 1), HC_BOUND_VISCOUS, 0.125 * 0.04 * 0.04 / 0.2);
+  settings.viscosity = 0.05;
+  expect(&settings, 0, 1, moving(4, 1), HC_BOUND_VISCOUS, 0.125 * 0.02 * 0.02 / 0.05);
   expect(&settings, 0, 1, moving(10, 1), HC_BOUND_VELOCITY, 0.4 * 0.02 / 10);
   expect(&settings, 0, 0.0005, moving(10, 1), HC_BOUND_GROWTH, 0.00055);
   expect(&settings, 0, 0.0005, moving(20, 1), HC_BOUND_VELOCITY, 0.4 * 0.02 / 20);
