@@ -57,7 +57,7 @@ static void report_check(const hc_scene *scene, const hc_setup_plan *plan, int64
   printf("boundary particles  %lld\n", (long long)plan->boundary_count);
   printf("first time step     at most %g s, bounded by: %s\n", dt, hc_step_bound_name(bound));
   printf("end time            %g s, at least %.0f steps\n", scene->end_time,
-         ceil(scene->end_time / fmax(dt, 1e-300)));
+         ceil(scene->end_time / (step.control == HC_STEP_CONSTANT ? step.size : step.max)));
   printf("memory per rank     about %.0f MiB on %lld rank%s\n", bytes / 1048576.0, (long long)ranks,
          ranks == 1 ? "" : "s");
 }

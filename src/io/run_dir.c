@@ -110,8 +110,8 @@ hc_status hc_run_dir_open(hc_comm *comm, const char *directory, hc_run_dir_mode 
     if (mode == HC_RUN_DIR_NEW && held)
       hc_error_set(
           &problem, HC_BAD_INPUT,
-          "the output directory %s already holds a run (%s); name another with -o, replace the run with "
-          "--force or go on with --restart",
+          "the output directory %s already holds a run (%s); name another with -o or replace the run with "
+          "--force",
           directory, held);
     if (mode == HC_RUN_DIR_FORCE) clear_run(directory, &problem);
     if (problem.status == HC_OK && access(directory, W_OK | X_OK) != 0)

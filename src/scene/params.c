@@ -135,7 +135,7 @@ void hc_params_range_text(const hc_param *param, char *text, size_t size) {
   hc_params_number_text(range.high, high);
   text[0] = '\0';
   if (isfinite(range.high))
-    snprintf(text, size, "in [%s, %s]", low, high);
+    snprintf(text, size, "in %c%s, %s]", range.above_low ? '(' : '[', low, high);
   else if (isfinite(range.low))
     snprintf(text, size, "%s %s", range.above_low ? ">" : ">=", low);
 }

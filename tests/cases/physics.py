@@ -107,7 +107,7 @@ def hydrostatic_walled(case, _steps):
 def taylor_green(case, _steps):
     """Decay of periodic vortices at Reynolds number 1, to a fifth of the speed: the viscous force and the periodic axes.
 
-    At 100, where particles travel far, the decay is twice too fast: the lattice collapses along the stagnation lines."""
+    At 100, where particles travel far, the energy is lost many times too fast (see the scene)."""
     viscosity = 1.0
     output = case.run("scenes/taylor_green.yaml", "taylor_green", 2,
                       (f"fluid.viscosity.coefficient={viscosity}", "end_time=0.02", "output.snapshots.every=0"))
