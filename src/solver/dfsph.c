@@ -41,9 +41,8 @@ static void warm_start(const solve *solve, int32_t begin, int32_t end) {
   }
 }
 
-/* Predicts the errors of all own particles and gives ghosts their multipliers. The first prediction of a
- * solve takes over the warm start's multipliers; the first of a step finds the density rates ready, from the
- * density sweep. */
+/* The first prediction of a solve takes over the warm start's multipliers; the first of a step finds the
+ * density rates ready, from the density sweep. */
 typedef enum prediction { FROM_RATES, FIRST, AGAIN } prediction;
 
 static void predict_range(const solve *solve, prediction which, int32_t begin, int32_t end,
@@ -56,6 +55,7 @@ static void predict_range(const solve *solve, prediction which, int32_t begin, i
   if (which != AGAIN) warm_start(solve, begin, end);
 }
 
+/* Predicts the errors of all own particles and gives ghosts their multipliers. */
 static hc_error_total predict(const solve *solve, prediction which) {
   hc_world *world = solve->world;
   hc_error_total total;

@@ -1,30 +1,12 @@
 /* The communicator: sums that know no order, agreement on errors, gathers and exchanges. */
-#include "base/memory.h"
-#include "comm/comm.h"
+#include "mpi_test.h"
 
-#include <check.h>
+#include "base/memory.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-static hc_comm comm;
-
-/* splitmix64's mixer. */
-static uint64_t mix(uint64_t value) {
-  value += 0x9e3779b97f4a7c15;
-  value = (value ^ value >> 30) * 0xbf58476d1ce4e5b9;
-  value = (value ^ value >> 27) * 0x94d049bb133111eb;
-  return value ^ value >> 31;
-}
-
-/* Fails on every rank if it fails on one, so that nobody waits for a rank that has left the test. */
-static void expect_everywhere(bool good, const char *what, int line) {
-  int64_t bad = !good;
-  hc_comm_max_i64(&comm, &bad, 1);
-  ck_assert_msg(!bad, "line %d: %s%s", line, what, good ? " (on another rank)" : "");
-}
-#define EXPECT(condition) expect_everywhere((condition), #condition, __LINE__)
 
 START_TEST(ranks_are_what_the_launcher_said) {
   EXPECT(comm.rank >= 0 && comm.rank < comm.size);
@@ -341,14 +323,5 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, sparse_exchanges_deliver_what_was_sent);
   tcase_add_test(tests, known_partners_exchange_again_and_again);
   tcase_add_test(tests, exchanges_may_overlap);
-  Suite *suite = suite_create("comm");
-  suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_set_fork_status(runner, CK_NOFORK); /* MPI does not survive a fork */
-  srunner_run_all(runner, comm.rank == 0 ? CK_NORMAL : CK_MINIMAL);
-  int64_t failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  hc_comm_max_i64(&comm, &failed, 1);
-  hc_comm_finish(&comm);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_mpi_tests("comm", tests);
 }

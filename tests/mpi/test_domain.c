@@ -1,31 +1,15 @@
 /* The map from bricks to ranks: complete, balanced, the same on every rank; and migration along it. */
+#include "mpi_test.h"
+
 #include "base/memory.h"
 #include "domain/domain.h"
 
-#include <check.h>
 #include <stdlib.h>
 #include <string.h>
 
-static hc_comm comm;
 static hc_frame frame;
 static hc_domain domain;
 static hc_particles fluid, boundary;
-
-/* splitmix64's mixer. */
-static uint64_t mix(uint64_t value) {
-  value += 0x9e3779b97f4a7c15;
-  value = (value ^ value >> 30) * 0xbf58476d1ce4e5b9;
-  value = (value ^ value >> 27) * 0x94d049bb133111eb;
-  return value ^ value >> 31;
-}
-
-/* Fails on every rank if it fails on one, so that nobody waits for a rank that has left the test. */
-static void expect_everywhere(bool good, const char *what, int line) {
-  int64_t bad = !good;
-  hc_comm_max_i64(&comm, &bad, 1);
-  ck_assert_msg(!bad, "line %d: %s%s", line, what, good ? " (on another rank)" : "");
-}
-#define EXPECT(condition) expect_everywhere((condition), #condition, __LINE__)
 
 static void setup(void) {
   memset(&frame, 0, sizeof frame);
@@ -312,14 +296,5 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, slabs_are_cut_along_the_longest_axis);
   tcase_add_test(tests, fast_particles_reach_any_rank);
   tcase_add_test(tests, there_may_be_no_particles);
-  Suite *suite = suite_create("domain");
-  suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_set_fork_status(runner, CK_NOFORK); /* MPI does not survive a fork */
-  srunner_run_all(runner, comm.rank == 0 ? CK_NORMAL : CK_MINIMAL);
-  int64_t failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  hc_comm_max_i64(&comm, &failed, 1);
-  hc_comm_finish(&comm);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_mpi_tests("domain", tests);
 }

@@ -1,31 +1,14 @@
 /* The halo against brute force over all particles of all ranks: which ghosts there are, what a particle sees
  * of them, what refreshes bring, across ranks and periodic borders. */
+#include "mpi_test.h"
+
 #include "base/memory.h"
 #include "domain/halo.h"
 #include "space/neighbors.h"
 
-#include <check.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static hc_comm comm;
-
-/* splitmix64's mixer. */
-static uint64_t mix(uint64_t value) {
-  value += 0x9e3779b97f4a7c15;
-  value = (value ^ value >> 30) * 0xbf58476d1ce4e5b9;
-  value = (value ^ value >> 27) * 0x94d049bb133111eb;
-  return value ^ value >> 31;
-}
-
-/* Fails on every rank if it fails on one, so that nobody waits for a rank that has left the test. */
-static void expect_everywhere(bool good, const char *what, int line) {
-  int64_t bad = !good;
-  hc_comm_max_i64(&comm, &bad, 1);
-  ck_assert_msg(!bad, "line %d: %s%s", line, what, good ? " (on another rank)" : "");
-}
-#define EXPECT(condition) expect_everywhere((condition), #condition, __LINE__)
 
 /* A set of particles in a box of cells, some axes of which may be periodic. */
 typedef struct region {
@@ -454,14 +437,5 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, one_rank_alone_has_no_ghosts);
   tcase_add_test(tests, refreshes_bring_the_owners_values);
   tcase_add_test(tests, refreshes_keep_their_order);
-  Suite *suite = suite_create("halo");
-  suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_set_fork_status(runner, CK_NOFORK); /* MPI does not survive a fork */
-  srunner_run_all(runner, comm.rank == 0 ? CK_NORMAL : CK_MINIMAL);
-  int64_t failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  hc_comm_max_i64(&comm, &failed, 1);
-  hc_comm_finish(&comm);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_mpi_tests("halo", tests);
 }

@@ -1,14 +1,14 @@
 /* Snapshots written by all ranks and read back by one: whatever the distribution, the file holds every
  * particle. */
+#include "mpi_test.h"
+
 #include "base/memory.h"
-#include "comm/comm.h"
 #include "io/diff.h"
 #include "io/run_dir.h"
 #include "io/snapshot.h"
 #include "io/snapshot_read.h"
 #include "particles/ids.h"
 
-#include <check.h>
 #include <dirent.h>
 #include <ftw.h>
 #include <hdf5.h>
@@ -19,7 +19,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static hc_comm comm;
 static char directory[64];
 static hc_particles fluid, boundary;
 static hc_scene scene;
@@ -59,14 +58,7 @@ static void teardown(void) {
   if (comm.rank == 0) nftw(directory, remove_one, 16, FTW_DEPTH | FTW_PHYS);
 }
 
-/* Everything about a particle follows from its id, through this mixer (splitmix64's). */
-static uint64_t mix(uint64_t value) {
-  value += 0x9e3779b97f4a7c15;
-  value = (value ^ value >> 30) * 0xbf58476d1ce4e5b9;
-  value = (value ^ value >> 27) * 0x94d049bb133111eb;
-  return value ^ value >> 31;
-}
-
+/* Everything about a particle follows from its id, through the mixer. */
 static int64_t expected_offset(uint64_t id, int axis) {
   return (int64_t)(mix(id * 3 + (uint64_t)axis) >> 15) - ((int64_t)1 << 48); /* 49 bits with the sign */
 }
@@ -384,14 +376,5 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, a_size_limit_is_an_error);
   tcase_add_test(tests, a_full_disk_is_an_error);
   tcase_add_test(tests, a_run_directory_is_agreed);
-  Suite *suite = suite_create("snapshot");
-  suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_set_fork_status(runner, CK_NOFORK); /* MPI does not survive a fork */
-  srunner_run_all(runner, comm.rank == 0 ? CK_NORMAL : CK_MINIMAL);
-  int64_t failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  hc_comm_max_i64(&comm, &failed, 1);
-  hc_comm_finish(&comm);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_mpi_tests("snapshot", tests);
 }

@@ -1,29 +1,12 @@
 /* Small whole runs without files: what they must conserve, and the same bits on any number of ranks. */
+#include "mpi_test.h"
+
 #include "app/simulation.h"
 #include "base/memory.h"
 
-#include <check.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static hc_comm comm;
-
-/* splitmix64's mixer. */
-static uint64_t mix(uint64_t value) {
-  value += 0x9e3779b97f4a7c15;
-  value = (value ^ value >> 30) * 0xbf58476d1ce4e5b9;
-  value = (value ^ value >> 27) * 0x94d049bb133111eb;
-  return value ^ value >> 31;
-}
-
-/* Fails on every rank if it fails on one, so that nobody waits for a rank that has left the test. */
-static void expect_everywhere(bool good, const char *what, int line) {
-  int64_t bad = !good;
-  hc_comm_max_i64(&comm, &bad, 1);
-  ck_assert_msg(!bad, "line %d: %s%s", line, what, good ? " (on another rank)" : "");
-}
-#define EXPECT(condition) expect_everywhere((condition), #condition, __LINE__)
 
 static hc_block block;
 static hc_wall wall;
@@ -330,14 +313,5 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, a_tank_has_the_same_bits_on_one_rank);
   tcase_add_test(tests, a_place_far_away_has_the_same_bits);
   tcase_add_test(tests, a_rebalance_is_forced_and_loses_nothing);
-  Suite *suite = suite_create("world");
-  suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_set_fork_status(runner, CK_NOFORK); /* MPI does not survive a fork */
-  srunner_run_all(runner, comm.rank == 0 ? CK_NORMAL : CK_MINIMAL);
-  int64_t failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  hc_comm_max_i64(&comm, &failed, 1);
-  hc_comm_finish(&comm);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_mpi_tests("world", tests);
 }
