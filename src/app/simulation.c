@@ -158,7 +158,6 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
       .mass =
           scene->fluid.rest_density * scene->fluid.mass_factor * h * h * h / hc_setup_rest_lattice_sum(ratio),
       .volume_factor = volume_factor,
-
       .contact_limit = scene->boundary.contact ? hc_setup_contact_limit(ratio, volume_factor) : 0.0,
       .boundary_ops = boundary_of(scene->boundary.method),
       .isa = simulation->isa};
