@@ -86,9 +86,10 @@ typedef struct move_totals {
   uint64_t bad; /* smallest id of a particle that cannot be moved, or UINT64_MAX */
 } move_totals;
 
-static bool move_particle(const hc_frame *frame, int64_t position[3], const double velocity[3], double dt) {
+static bool move_particle(const hc_frame *frame, int64_t position[3], const double velocity[3],
+                          const double units_per_speed[3]) {
   for (int axis = 0; axis < 3; axis++) {
-    const double units = velocity[axis] * dt / frame->unit[axis];
+    const double units = velocity[axis] * units_per_speed[axis];
     if (!(fabs(units) < FARTHEST_MOVE)) return false;
     const int64_t moved = position[axis] + llrint(units);
     if (moved > WORLD_END || moved < -WORLD_END) return false;
@@ -99,15 +100,18 @@ static bool move_particle(const hc_frame *frame, int64_t position[3], const doub
 
 static void move_all(hc_world *world, const hc_solver_settings *settings, double dt, move_totals *totals) {
   hc_particles *fluid = &world->fluid;
+  const double rate = 1.0 / dt;
+  double units_per_speed[3];
+  for (int axis = 0; axis < 3; axis++) units_per_speed[axis] = dt / world->frame.unit[axis];
   for (int32_t k = 0; k < fluid->own; k++) {
     int64_t *position = &fluid->position[3 * (size_t)k];
     const double *velocity = &fluid->velocity[3 * (size_t)k];
     float *acceleration = &fluid->acceleration[3 * (size_t)k];
-    if (!move_particle(&world->frame, position, velocity, dt) && fluid->id[k] < totals->bad)
+    if (!move_particle(&world->frame, position, velocity, units_per_speed) && fluid->id[k] < totals->bad)
       totals->bad = fluid->id[k];
     double v2 = 0.0, a2 = 0.0, work = 0.0;
     for (int axis = 0; axis < 3; axis++) {
-      const double a = (velocity[axis] - (double)acceleration[axis]) / dt;
+      const double a = (velocity[axis] - (double)acceleration[axis]) * rate;
       acceleration[axis] = (float)a;
       v2 += velocity[axis] * velocity[axis];
       a2 += a * a;

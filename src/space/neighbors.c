@@ -80,6 +80,17 @@ static void make_room(hc_neighbor_search *search, int32_t count, int32_t keep) {
   search->candidate_capacity = capacity[0];
 }
 
+static bool any_adjacent(const hc_neighbor_search *search, int32_t brick) {
+  for (int way = 0; way < HC_ADJACENT; way++)
+    if (search->adjacent[brick][way] >= 0) return true;
+  return false;
+}
+
+static void write_empty_rows(hc_neighbors *list, int32_t first, int32_t count, size_t used) {
+  for (int32_t i = first; i < first + count; i++) list->start[i] = (uint32_t)(used / HC_LIST_GROUP);
+  memset(list->count + first, 0, (size_t)count * sizeof *list->count);
+}
+
 /* Appends the nine cells around (x, y, z), which is relative to the target brick `index`. */
 static void append_slab(window *window, int32_t index, int x, int y, int z) {
   const int32_t *adjacent = window->search->adjacent[index];
@@ -140,18 +151,31 @@ void hc_neighbors_build(hc_neighbors *list, hc_neighbor_search *search, const hc
   make_room(search, 0, 0);
   size_t used = 0;
   list->pairs = 0;
+  int32_t last_brick = -1;
+  bool any = false, window_open = false; /* bricks far from any source need no window */
   for (int32_t k = 0; k < target_cells->own_cell_count; k++) {
     const int32_t slot = target_cells->own_cells[k];
     const int32_t brick = slot / HC_BRICK_CELLS;
     const int cell = slot % HC_BRICK_CELLS;
     const int x = inside(cell), y = inside(cell >> HC_BRICK_BITS), z = cell >> (2 * HC_BRICK_BITS);
-    if (k > 0 && window.slab[3] < WINDOW_RESTART &&
+    const int32_t first = target_cells->begin[brick][cell], count = target_cells->count[brick][cell];
+    if (brick != last_brick) any = any_adjacent(search, brick);
+    last_brick = brick;
+    if (!any) {
+      write_empty_rows(list, first, count, used);
+      window_open = false;
+      continue;
+    }
+    if (window_open && window.slab[3] < WINDOW_RESTART &&
         follows(target_cells, target_cells->own_cells[k - 1], slot))
       advance_window(&window, brick, x, y, z);
     else
       start_window(&window, brick, x, y, z);
-
-    const int32_t first = target_cells->begin[brick][cell], count = target_cells->count[brick][cell];
+    window_open = true;
+    if (window.slab[3] == window.slab[0]) {
+      write_empty_rows(list, first, count, used);
+      continue;
+    }
     const size_t most = (size_t)count * (size_t)(window.slab[3] - window.slab[0] + HC_NEIGHBOR_SLACK);
     if (used + most + HC_NEIGHBOR_SLACK > list->offset_capacity)
       hc_reserve((void **)&list->offset, &list->offset_capacity, used + used / 4 + most + HC_NEIGHBOR_SLACK,

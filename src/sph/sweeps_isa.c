@@ -158,24 +158,36 @@ HC_INLINE void add_up_vectors(block_vectors *block, int32_t count) {
 
 /* ---- density, alpha, wall gradient ---- */
 
-/* Sums over boundary neighbours for row k of a block: V_b W and V_b grad W without their constants. */
-HC_INLINE void sum_walls(const hc_sweep *sweep, const self *own, int32_t i, int32_t k, block_sums *densities,
+/* Sums over boundary neighbours of a block: V_b W and V_b grad W without their constants. */
+HC_INLINE void sum_walls(const hc_sweep *sweep, int32_t first, int32_t count, block_sums *densities,
                          block_vectors *gradients) {
-  const row row = row_of(sweep->walls, i);
-  sums density = {{{0}}};
-  vector_sums gradient = no_sums();
-  for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
-    for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
-      const int32_t at = pass + part * HC_GROUP;
-      const pair p = load_pair(own, sweep->boundary->place, row.offset + at);
-      const hc_float volume = hc_keep(p.scalar, row.count - at);
-      const vector d = direction(&p);
-      density.part[part] = hc_fma(kernel(p.q), volume, density.part[part]);
-      add_scaled(&gradient, part, volume * slope_over_q(p.q), &d);
-    }
+  if (sweep->walls->start[first] == sweep->walls->start[first + count]) { /* far from any wall */
+    memset(densities->total, 0, sizeof densities->total);
+    memset(gradients->x.total, 0, sizeof gradients->x.total);
+    memset(gradients->y.total, 0, sizeof gradients->y.total);
+    memset(gradients->z.total, 0, sizeof gradients->z.total);
+    return;
   }
-  hc_store_lanes(density.part, densities->lanes[k]);
-  store_vector(gradients, k, &gradient);
+  for (int32_t k = 0; k < count; k++) {
+    const self own = make_self(sweep, &sweep->fluid->place[first + k]);
+    const row row = row_of(sweep->walls, first + k);
+    sums density = {{{0}}};
+    vector_sums gradient = no_sums();
+    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+        const int32_t at = pass + part * HC_GROUP;
+        const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
+        const hc_float volume = hc_keep(p.scalar, row.count - at);
+        const vector d = direction(&p);
+        density.part[part] = hc_fma(kernel(p.q), volume, density.part[part]);
+        add_scaled(&gradient, part, volume * slope_over_q(p.q), &d);
+      }
+    }
+    hc_store_lanes(density.part, densities->lanes[k]);
+    store_vector(gradients, k, &gradient);
+  }
+  add_up(densities, count);
+  add_up_vectors(gradients, count);
 }
 
 static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
@@ -210,14 +222,12 @@ static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
       hc_store_lanes(square.part, squares.lanes[k]);
       hc_store_lanes(rate.part, rates.lanes[k]);
       store_vector(&gradients, k, &gradient);
-      sum_walls(sweep, &own, first + k, k, &wall_densities, &wall_gradients);
     }
+    sum_walls(sweep, first, count, &wall_densities, &wall_gradients);
     add_up(&densities, count);
     add_up(&squares, count);
     add_up(&rates, count);
-    add_up(&wall_densities, count);
     add_up_vectors(&gradients, count);
-    add_up_vectors(&wall_gradients, count);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = first + k;
       const float wall[3] = {sweep->gradient * wall_gradients.x.total[k],
