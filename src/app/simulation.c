@@ -106,12 +106,41 @@ static void choose_settings(hc_simulation *simulation) {
   simulation->step_settings = hc_step_settings_of(scene);
 }
 
-static hc_status fill_world(hc_simulation *simulation, const hc_frame *frame, hc_error *error) {
-  hc_setup_plan plan;
-  if (hc_setup_plan_make(simulation->scene, frame, &plan, error) != HC_OK) return error->status;
+/* Evens out a disordered start: steps of the pressure solver alone, which forget all momentum; then every
+ * particle gets the velocity of the place it has come to. */
+static hc_status settle(hc_simulation *simulation, const hc_setup_plan *plan, hc_error *error) {
   hc_world *world = &simulation->world;
-  hc_setup_generate(&plan, simulation->comm->rank, simulation->comm->size, &world->fluid, &world->boundary,
-                    error);
+  hc_particles *fluid = &world->fluid;
+  hc_solver_settings settings = simulation->solver_settings;
+  memset(settings.gravity, 0, sizeof settings.gravity);
+  settings.viscosity = HC_VISCOUS_NONE;
+  const double dt = simulation->step_settings.control == HC_STEP_CONSTANT ? simulation->step_settings.size
+                                                                          : simulation->step_settings.max;
+  for (int step = 0; step < simulation->scene->fluid.settle_steps; step++) {
+    memset(fluid->velocity, 0, 3 * (size_t)fluid->own * sizeof *fluid->velocity);
+    hc_world_update(world);
+    if (simulation->solver->step(world, &settings, dt, step > 0 ? dt : 0.0, &simulation->report, error) !=
+        HC_OK)
+      return error->status;
+  }
+  hc_setup_velocities(plan, fluid);
+  memset(fluid->pressure_multiplier, 0, (size_t)fluid->own * sizeof *fluid->pressure_multiplier);
+  memset(fluid->divergence_multiplier, 0, (size_t)fluid->own * sizeof *fluid->divergence_multiplier);
+  return HC_OK;
+}
+
+/* The particles of the scene, at their owners. */
+static hc_status fill_world(hc_simulation *simulation, const hc_frame *frame, hc_error *error) {
+  hc_comm *comm = simulation->comm;
+  hc_world *world = &simulation->world;
+  hc_setup_plan plan = {0};
+  if (hc_setup_plan_make(simulation->scene, frame, &plan, error) == HC_OK)
+    hc_setup_generate(&plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
+  if (hc_comm_agree(comm, error) == HC_OK) {
+    hc_world_distribute(world);
+    if (simulation->scene->fluid.settle_steps > 0) settle(simulation, &plan, error);
+    if (error->status == HC_OK) hc_world_update(world);
+  }
   hc_setup_plan_free(&plan);
   return error->status;
 }
@@ -162,13 +191,10 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
       .boundary_ops = boundary_of(scene->boundary.method),
       .isa = simulation->isa};
   hc_world_init(&simulation->world, comm, &settings);
-  fill_world(simulation, &frame, error);
-  if (hc_comm_agree(comm, error) != HC_OK) {
+  if (fill_world(simulation, &frame, error) != HC_OK) {
     hc_world_free(&simulation->world);
     return error->status;
   }
-  hc_world_settle(&simulation->world);
-  hc_world_update(&simulation->world);
   fill_derived(&simulation->world);
   simulation->imbalance = hc_domain_imbalance(&simulation->world.domain, &simulation->world.fluid);
   report_start(simulation);

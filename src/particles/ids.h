@@ -15,6 +15,10 @@ static inline uint64_t hc_id_make(hc_id_kind kind, uint64_t source, uint64_t cou
   return (uint64_t)kind << (HC_ID_SOURCE_BITS + HC_ID_COUNTER_BITS) | source << HC_ID_COUNTER_BITS | counter;
 }
 
+static inline int64_t hc_id_source_of(uint64_t id) {
+  return (int64_t)(id >> HC_ID_COUNTER_BITS) & (HC_ID_MAX_SOURCES - 1);
+}
+
 static inline hc_id_kind hc_id_kind_of(uint64_t id) {
   return (hc_id_kind)(id >> (HC_ID_SOURCE_BITS + HC_ID_COUNTER_BITS));
 }

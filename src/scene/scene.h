@@ -94,6 +94,8 @@ typedef struct hc_scene {
       double sound_speed; /* artificial: m/s; 0 = 10 sqrt(2 |g| H) with H the fluid's height at the start */
     } viscosity;
     double mass_factor; /* particle mass over the lattice's; below 1 under-fills a closed periodic domain */
+    double disorder;    /* largest random shift off the lattice along each axis, in spacings */
+    int settle_steps;   /* before the start, to even out the disorder */
     hc_block *blocks;
     int block_count;
   } fluid;

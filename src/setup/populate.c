@@ -172,6 +172,8 @@ hc_status hc_setup_plan_make(const hc_scene *scene, const hc_frame *frame, hc_se
                           .boundary = hc_alloc((size_t)walls, sizeof(hc_setup_source)),
                           .fluid_sources = blocks,
                           .boundary_sources = walls};
+  for (int a = 0; a < 3; a++)
+    plan->disorder[a] = (int64_t)(scene->fluid.disorder * (double)frame->spacing[a]);
   const hc_status status = plan_sources(scene, plan, error);
   if (status) hc_setup_plan_free(plan);
   return status;
@@ -193,30 +195,51 @@ void hc_setup_share(int64_t count, int rank, int size, int64_t *first, int64_t *
   *last = share_start(count, rank + 1, size);
 }
 
-/* Writes point k of a source as particle `index`. */
-static void place(const hc_frame *frame, const hc_setup_source *source, int64_t k, hc_particles *particles,
-                  int64_t index) {
-  int64_t point[3];
-  hc_sampling_point(&source->sampling, k, point);
-  for (int a = 0; a < 3; a++) particles->position[3 * index + a] = hc_frame_wrap(frame, a, point[a]);
-  particles->id[index] = hc_id_make(source->kind, (uint64_t)source->number, (uint64_t)k);
-  if (source->kind != HC_ID_FLUID) return;
-  double x[3];
-  for (int a = 0; a < 3; a++) x[a] = hc_frame_to_metres(frame, a, point[a]);
-  double velocity[3] = {source->velocity[0], source->velocity[1], source->velocity[2]};
-  hc_flow_add(&source->flow, x, velocity);
-  for (int a = 0; a < 3; a++) particles->velocity[3 * index + a] = velocity[a];
+/* Evenly distributed in [-largest, largest], from the id alone (the mixer of splitmix64, Steele et al. 2014).
+ */
+static int64_t random_shift(uint64_t id, int axis, int64_t largest) {
+  uint64_t mixed = (3 * id + (uint64_t)axis + 1) * 0x9e3779b97f4a7c15u;
+  mixed = (mixed ^ mixed >> 30) * 0xbf58476d1ce4e5b9u;
+  mixed = (mixed ^ mixed >> 27) * 0x94d049bb133111ebu;
+  mixed ^= mixed >> 31;
+  return (int64_t)(mixed % (uint64_t)(2 * largest + 1)) - largest;
 }
 
-static void generate(const hc_frame *frame, const hc_setup_source *sources, int source_count, int64_t first,
-                     int64_t last, hc_particles *particles) {
+/* Writes point k of a source as particle `index`. */
+static void place(const hc_setup_plan *plan, const hc_setup_source *source, int64_t k,
+                  hc_particles *particles, int64_t index) {
+  int64_t point[3];
+  hc_sampling_point(&source->sampling, k, point);
+  const uint64_t id = hc_id_make(source->kind, (uint64_t)source->number, (uint64_t)k);
+  particles->id[index] = id;
+  for (int a = 0; a < 3; a++) {
+    const int64_t shift = source->kind == HC_ID_FLUID ? random_shift(id, a, plan->disorder[a]) : 0;
+    particles->position[3 * index + a] = hc_frame_wrap(&plan->frame, a, point[a] + shift);
+  }
+}
+
+static void generate(const hc_setup_plan *plan, const hc_setup_source *sources, int source_count,
+                     int64_t first, int64_t last, hc_particles *particles) {
   hc_particles_resize(particles, 0); /* what it held before must not live on as state */
   hc_particles_resize(particles, (int32_t)(last - first));
   for (int s = 0; s < source_count; s++) {
     const hc_setup_source *const source = &sources[s];
     const int64_t end = source->first + hc_sampling_count(&source->sampling);
     const int64_t from = first > source->first ? first : source->first, to = last < end ? last : end;
-    for (int64_t at = from; at < to; at++) place(frame, source, at - source->first, particles, at - first);
+    for (int64_t at = from; at < to; at++) place(plan, source, at - source->first, particles, at - first);
+  }
+}
+
+void hc_setup_velocities(const hc_setup_plan *plan, hc_particles *fluid) {
+  for (int64_t i = 0; i < fluid->own; i++) {
+    const hc_setup_source *const source = &plan->fluid[hc_id_source_of(fluid->id[i])];
+    double x[3], velocity[3];
+    for (int a = 0; a < 3; a++) {
+      x[a] = hc_frame_to_metres(&plan->frame, a, fluid->position[3 * i + a]);
+      velocity[a] = source->velocity[a];
+    }
+    hc_flow_add(&source->flow, x, velocity);
+    for (int a = 0; a < 3; a++) fluid->velocity[3 * i + a] = velocity[a];
   }
 }
 
@@ -232,7 +255,8 @@ hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_pa
                         "the fluid and %lld of the "
                         "boundary: use more ranks or a larger particle_spacing",
                         (long long)max_own, rank, size, (long long)fluid_own, (long long)boundary_own);
-  generate(&plan->frame, plan->fluid, plan->fluid_sources, fluid_first, fluid_last, fluid);
-  generate(&plan->frame, plan->boundary, plan->boundary_sources, boundary_first, boundary_last, boundary);
+  generate(plan, plan->fluid, plan->fluid_sources, fluid_first, fluid_last, fluid);
+  hc_setup_velocities(plan, fluid);
+  generate(plan, plan->boundary, plan->boundary_sources, boundary_first, boundary_last, boundary);
   return HC_OK;
 }

@@ -30,6 +30,7 @@ typedef struct hc_setup_plan {
   hc_setup_source *boundary; /* one for each wall */
   int fluid_sources, boundary_sources;
   int64_t fluid_count, boundary_count; /* particles in all, on all ranks together */
+  int64_t disorder[3];                 /* largest shift of fluid off its lattice, in units */
 } hc_setup_plan;
 
 /* Makes the plan of a scene; generates nothing. `frame` is that of the same scene. On failure the plan is
@@ -44,11 +45,15 @@ void hc_setup_plan_free(hc_setup_plan *plan);
 /* The range [first, last) of `count` things that falls to a rank. */
 void hc_setup_share(int64_t count, int rank, int size, int64_t *first, int64_t *last);
 
-/* Replaces what the two stores hold by the rank's share of the plan: position (wrapped into the periods), id
- * (kind, source, index in the source) and velocity; all other state is 0. Together the shares of all ranks
+/* Replaces what the two stores hold by the rank's share of the plan: position (wrapped into the periods;
+ * fluid shifted off its lattice as the scene asks), id (kind, source, index in the source) and velocity; all
+ * other state is 0. Together the shares of all ranks
  * are the same particles for any number of ranks. Errors (HC_BAD_INPUT): more than 2^31 - 64 particles of a
  * kind on this rank; the stores are then unchanged. Local: agree on the status afterwards. */
 hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_particles *fluid,
                             hc_particles *boundary, hc_error *error);
+
+/* Gives the own particles of `fluid` the velocities that their blocks prescribe at their positions. Local. */
+void hc_setup_velocities(const hc_setup_plan *plan, hc_particles *fluid);
 
 #endif

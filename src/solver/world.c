@@ -75,7 +75,7 @@ double hc_world_rebalance(hc_world *world) {
   return imbalance;
 }
 
-double hc_world_settle(hc_world *world) {
+double hc_world_distribute(hc_world *world) {
   int64_t totals[2] = {world->fluid.own, world->boundary.own};
   hc_comm_sum_i64(world->comm, totals, 2);
   world->fluid_total = totals[0];

@@ -34,13 +34,13 @@ typedef struct hc_world_settings {
   hc_isa isa; /* the same on every rank */
 } hc_world_settings;
 
-/* An empty world; the caller fills fluid and boundary, on any rank, then calls hc_world_settle. Local. */
+/* An empty world; the caller fills fluid and boundary, on any rank, then calls hc_world_distribute. Local. */
 void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *settings);
 void hc_world_free(hc_world *world);
 
 /* First decomposition, totals, boundary volumes. Afterwards particles are with their owners; call
  * hc_world_update. Collective. Returns the imbalance reached. */
-double hc_world_settle(hc_world *world);
+double hc_world_distribute(hc_world *world);
 
 /* A new decomposition: cuts, moves all particles, boundary lists. Call hc_world_update afterwards.
  * Collective. */

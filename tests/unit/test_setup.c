@@ -309,6 +309,38 @@ START_TEST(origin_cells_shift_every_particle_exactly) {
 }
 END_TEST
 
+/* Shifts stay within bounds, spread evenly, leave walls alone and do not depend on the ranks. */
+START_TEST(disorder_shifts_the_fluid_off_its_lattice) {
+  hc_scene scene = full_scene();
+  const hc_frame frame = frame_of(&scene);
+  int64_t count, disordered_count;
+  particle *const lattice = made_by(&scene, 1, &count);
+  scene.fluid.disorder = 0.3;
+  particle *const one = made_by(&scene, 1, &disordered_count), *const parts = made_by(&scene, 7, &count);
+  ck_assert_int_eq(disordered_count, count);
+  ck_assert(memcmp(one, parts, (size_t)count * sizeof *one) == 0);
+  double sum = 0, square = 0;
+  for (int64_t k = 0; k < count; k++) {
+    ck_assert(one[k].id == lattice[k].id);
+    for (int a = 0; a < 3; a++) {
+      int64_t moved = one[k].x[a] - lattice[k].x[a];
+      if (frame.period[a] > 0 && llabs(moved) > frame.period[a] / 2)
+        moved += moved < 0 ? frame.period[a] : -frame.period[a];
+      const double shift = (double)moved / (double)frame.spacing[a];
+      ck_assert_double_le(fabs(shift), hc_id_kind_of(one[k].id) == HC_ID_FLUID ? 0.3 : 0);
+      sum += shift;
+      square += shift * shift;
+    }
+  }
+  const double shifts = 3 * 1000; /* fluid particles */
+  ck_assert_double_le(fabs(sum / shifts), 3 * 0.3 / sqrt(3 * shifts));
+  ck_assert_double_eq_tol(square / shifts, 0.3 * 0.3 / 3, 0.05 * 0.3 * 0.3 / 3);
+  hc_free(lattice);
+  hc_free(one);
+  hc_free(parts);
+}
+END_TEST
+
 /* What a store held before must be gone, all of it. */
 START_TEST(generating_replaces_the_stores) {
   const hc_scene scene = full_scene();
@@ -469,6 +501,7 @@ int main(void) {
   tcase_add_test(cases, particles_are_where_and_what_the_scene_says);
   tcase_add_test(cases, periodic_axes_wrap);
   tcase_add_test(cases, origin_cells_shift_every_particle_exactly);
+  tcase_add_test(cases, disorder_shifts_the_fluid_off_its_lattice);
   tcase_add_test(cases, generating_replaces_the_stores);
   tcase_add_test(cases, plans_that_cannot_be_are_refused);
   tcase_add_test(cases, too_many_particles_for_a_rank_are_refused);
