@@ -33,7 +33,7 @@ ROOMS = {
     "setup": ["scene", "geometry", "domain", "solver"],
     "window": ["setup", "domain", "state"],
     "io": ["state", "scene", "comm"],
-    "gauges": ["sph", "geometry", "comm"],
+    "gauges": ["sph", "geometry", "comm", "scene"],
     "app": "everything",
 }
 

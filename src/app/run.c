@@ -1,6 +1,7 @@
 /* halocline run: a simulation with its files. */
 #include "base/memory.h"
 #include "commands.h"
+#include "gauges/gauges.h"
 #include "halocline/version.h"
 #include "io/log.h"
 #include "io/progress.h"
@@ -25,7 +26,10 @@ typedef struct run {
   hc_log log;
   hc_tables tables;
   hc_progress progress;
-  int snapshots; /* written so far */
+  hc_gauges gauges;
+  double *gauge_values;
+  int snapshots;      /* written so far */
+  int64_t gauge_rows; /* likewise */
   int64_t density_caps, divergence_caps, contacts, rebalances;
   double particle_steps; /* fluid particles summed over the steps */
   double started;        /* wall clock, when the steps began */
@@ -69,6 +73,32 @@ static bool snapshot_due(const run *run, bool last) {
   return every > 0.0 && run->simulation.time >= every * run->snapshots;
 }
 
+/* A row of gauges.csv: at the start and the end, in between the first step at or after each multiple.
+ * Collective; only rank 0 can fail. */
+static hc_status read_gauges(run *run, hc_error *error) {
+  hc_gauges_read(&run->gauges, &run->simulation.world.fluid, run->gauge_values);
+  run->gauge_rows++;
+  return hc_tables_add_gauges(&run->tables, run->simulation.time, run->gauge_values,
+                              hc_gauges_columns(run->scene), error);
+}
+
+static bool gauges_due(const run *run, bool last) {
+  return run->scene->output.gauge_count > 0 &&
+         (last || run->simulation.time >= run->scene->output.gauges_every * (double)run->gauge_rows);
+}
+
+/* The columns of gauges.csv, each led by a comma; the caller's to free. */
+static char *gauge_names(const hc_scene *scene) {
+  const int columns = hc_gauges_columns(scene);
+  char *names = hc_alloc_zero((size_t)columns * (HC_NAME_LENGTH + 16) + 1, 1), *end = names;
+  for (int column = 0; column < columns; column++) {
+    *end++ = ',';
+    hc_gauges_column_name(scene, column, end, HC_NAME_LENGTH + 15);
+    end += strlen(end);
+  }
+  return names;
+}
+
 static hc_status open_files(run *run, hc_error *error) {
   const hc_run_dir_mode mode = run->options->force ? HC_RUN_DIR_FORCE : HC_RUN_DIR_NEW;
   if (hc_run_dir_open(run->comm, run->directory, mode, error) != HC_OK) return error->status;
@@ -76,8 +106,11 @@ static hc_status open_files(run *run, hc_error *error) {
     char path[HC_TEXT_PATH + 16];
     snprintf(path, sizeof path, "%s/scene.yaml", run->directory);
     if (hc_scene_write(run->scene, path, error) == HC_OK &&
-        hc_log_open(&run->log, run->directory, false, error) == HC_OK)
-      hc_tables_open(&run->tables, run->directory, -1, error);
+        hc_log_open(&run->log, run->directory, false, error) == HC_OK) {
+      char *names = gauge_names(run->scene);
+      hc_tables_open(&run->tables, run->directory, names, -1, 0.0, error);
+      hc_free(names);
+    }
   }
   return hc_comm_agree(run->comm, error);
 }
@@ -194,6 +227,8 @@ static hc_status run_steps(run *run, hc_error *error) {
     const double start = hc_seconds();
     const int64_t bytes_before = run->comm->bytes_sent;
     if (hc_simulation_step(simulation, error) != HC_OK) return error->status;
+    hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
+    hc_gauges_step(&run->gauges, &simulation->world.sweep, simulation->dt);
     const double active_boundary = hc_world_active_boundary(&simulation->world);
     load = measure_load(run, bytes_before);
     if (load.fluid != simulation->world.fluid_total)
@@ -207,7 +242,9 @@ static hc_status run_steps(run *run, hc_error *error) {
     const bool snapshot = snapshot_due(run, last);
     if (snapshot && write_snapshot(run, error) != HC_OK) return error->status;
     hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
-    add_rows(run, &load, hc_seconds() - start, snapshot, event, active_boundary, error);
+    if (gauges_due(run, last)) read_gauges(run, error);
+    if (error->status == HC_OK)
+      add_rows(run, &load, hc_seconds() - start, snapshot, event, active_boundary, error);
     if (hc_comm_agree(run->comm, error) != HC_OK) return error->status;
     const hc_progress_sample sample = progress_sample(run, &load);
     hc_progress_step(&run->progress, &sample);
@@ -285,6 +322,8 @@ static hc_status run_with_files(run *run, hc_error *error) {
   hc_progress_start(&run->progress, show ? stdout : NULL, show && hc_progress_on_terminal(stdout), 0.0,
                     run->scene->end_time);
   if (write_snapshot(run, error) != HC_OK) return error->status;
+  if (gauges_due(run, false)) read_gauges(run, error);
+  if (hc_comm_agree(run->comm, error) != HC_OK) return error->status;
   if (run_steps(run, error) != HC_OK) return error->status;
   return summarize(run, error);
 }
@@ -314,8 +353,13 @@ static void simulate(hc_comm *comm, const hc_options *options, hc_error *error) 
     hc_error_set(error, HC_BAD_INPUT, "the output directory's name has %d bytes, more than %d", length,
                  HC_TEXT_PATH);
   } else if (hc_simulation_init(&run->simulation, comm, &scene, error) == HC_OK) {
+    const hc_world *world = &run->simulation.world;
+    hc_gauges_init(&run->gauges, comm, &scene, &world->frame, world->mass, &world->boundary);
+    run->gauge_values = hc_alloc((size_t)hc_gauges_columns(&scene), sizeof *run->gauge_values);
     run_with_files(run, error);
     close_files(run, error);
+    hc_free(run->gauge_values);
+    hc_gauges_free(&run->gauges);
     hc_simulation_free(&run->simulation);
   }
   hc_free(run);

@@ -20,7 +20,7 @@ static void prepare(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles
   sweeps->boundary_volume(sweep, boundary, list, (float)factor);
 }
 
-static int64_t contact(hc_particles *fluid, double limit, double dt) {
+static int64_t contact(hc_particles *fluid, double rest_density, double limit, double dt) {
   int64_t held = 0;
   for (int32_t i = 0; i < fluid->own; i++) {
     const double room = limit - (double)fluid->wall_density[i];
@@ -34,10 +34,13 @@ static int64_t contact(hc_particles *fluid, double limit, double dt) {
     }
     const double allowed = room > 0.0 ? room / dt : 0.0;
     if (approach <= allowed || square == 0.0) continue;
+    const double push =
+        (approach - allowed) / square; /* acts like a divergence multiplier: rho0 push/dt in Pa */
     for (int axis = 0; axis < 3; axis++) {
-      velocity[axis] -= (approach - allowed) / square * gradient[axis];
+      velocity[axis] -= push * gradient[axis];
       fluid->motion[i].v[axis] = (float)velocity[axis];
     }
+    fluid->pressure[i] += (float)(rest_density * push / dt);
     held++;
   }
   return held;

@@ -12,8 +12,9 @@ typedef struct hc_boundary_ops {
   void (*prepare)(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
                   const hc_neighbors *list, double factor);
   /* The last word before own fluid particles move by dt: takes away what would carry one into a wall. `limit`
-   * is the wall density of a particle on a flat wall's wetted surface. Returns how many were held. Local. */
-  int64_t (*contact)(hc_particles *fluid, double limit, double dt);
+   * is the wall density of a particle on a flat wall's wetted surface. The push adds to the particle's
+   * pressure. Returns how many were held. Local. */
+  int64_t (*contact)(hc_particles *fluid, double rest_density, double limit, double dt);
 } hc_boundary_ops;
 
 /* Single layer, volumes V_b = factor / sum W over boundary particles, pressure mirrored from the fluid

@@ -1,10 +1,12 @@
 #include "tables.h"
 
 #include "base/check.h"
+#include "base/memory.h"
 
 #include <errno.h>
 #include <inttypes.h>
 #include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/types.h>
 #include <unistd.h>
@@ -26,30 +28,34 @@ static hc_status flush(hc_table *table, hc_error *error) {
   return failed(table, error);
 }
 
-/* Finds the end of the last whole row up to `last_step`. Returns false if the header is not ours. */
-static bool find_end(FILE *stream, const char *header, int64_t last_step, off_t *end) {
-  char line[1024];
-  if (!fgets(line, sizeof line, stream) || strcmp(line, header) != 0) return false;
-  *end = ftello(stream);
-  while (fgets(line, sizeof line, stream)) {
-    int64_t step = 0;
-    if (!strchr(line, '\n') || sscanf(line, "%" SCNd64 ",", &step) != 1 || step > last_step) break;
+/* Finds the end of the last whole row whose first number is at most `last`. Returns false if the header is
+ * not ours. */
+static bool find_end(FILE *stream, const char *header, double last, off_t *end) {
+  char *line = NULL;
+  size_t room = 0;
+  const bool ours = getline(&line, &room, stream) > 0 && strcmp(line, header) == 0;
+  if (ours) *end = ftello(stream);
+  while (ours && getline(&line, &room, stream) > 0) {
+    char *behind;
+    const double first = strtod(line, &behind);
+    if (!strchr(line, '\n') || behind == line || first > last) break;
     *end = ftello(stream);
   }
-  return true;
+  free(line);
+  return ours;
 }
 
 static hc_status open_table(hc_table *table, const char *directory, const char *name, const char *header,
-                            int64_t last_step, hc_error *error) {
+                            bool go_on, double last, hc_error *error) {
   const hc_status status = hc_text_path(table->path, error, "%s/%s", directory, name);
   if (status != HC_OK) return status;
-  if (last_step >= 0) {
+  if (go_on) {
     table->stream = fopen(table->path, "r+");
     if (!table->stream && errno != ENOENT) return failed(table, error);
   }
   if (table->stream) {
     off_t end = 0;
-    if (!find_end(table->stream, header, last_step, &end))
+    if (!find_end(table->stream, header, last, &end))
       return hc_error_set(error, HC_IO_FAILED, "cannot go on in %s: its first line must be %.*s", table->path,
                           (int)strlen(header) - 1, header);
     if (fseeko(table->stream, end, SEEK_SET) != 0 || ftruncate(fileno(table->stream), end) != 0)
@@ -62,11 +68,20 @@ static hc_status open_table(hc_table *table, const char *directory, const char *
   return flush(table, error);
 }
 
-hc_status hc_tables_open(hc_tables *tables, const char *directory, int64_t last_step, hc_error *error) {
+hc_status hc_tables_open(hc_tables *tables, const char *directory, const char *gauge_names, int64_t last_step,
+                         double last_time, hc_error *error) {
   memset(tables, 0, sizeof *tables);
-  hc_status status = open_table(&tables->steps, directory, "steps.csv", step_header, last_step, error);
+  const bool go_on = last_step >= 0;
+  const double last = (double)last_step;
+  hc_status status = open_table(&tables->steps, directory, "steps.csv", step_header, go_on, last, error);
   if (status == HC_OK)
-    status = open_table(&tables->load, directory, "load.csv", load_header, last_step, error);
+    status = open_table(&tables->load, directory, "load.csv", load_header, go_on, last, error);
+  if (status == HC_OK && *gauge_names) {
+    char *header = hc_alloc(strlen(gauge_names) + 8, 1);
+    sprintf(header, "time%s\n", gauge_names);
+    status = open_table(&tables->gauges, directory, "gauges.csv", header, go_on, last_time, error);
+    hc_free(header);
+  }
   if (status != HC_OK) hc_tables_close(tables, NULL);
   return status;
 }
@@ -113,6 +128,17 @@ hc_status hc_tables_add_load(hc_tables *tables, const hc_load_row *row, hc_error
   return flush(&tables->load, error);
 }
 
+hc_status hc_tables_add_gauges(hc_tables *tables, double time, const double *values, int count,
+                               hc_error *error) {
+  FILE *stream = tables->gauges.stream;
+  if (!stream) return HC_OK;
+  char text[HC_TEXT_NUMBER];
+  fputs(hc_text_number(text, time), stream);
+  for (int k = 0; k < count; k++) put_number(stream, values[k]);
+  fputc('\n', stream);
+  return flush(&tables->gauges, error);
+}
+
 static hc_status close_table(hc_table *table, hc_error *error) {
   if (!table->stream) return HC_OK;
   const bool broken = ferror(table->stream) != 0;
@@ -126,5 +152,7 @@ static hc_status close_table(hc_table *table, hc_error *error) {
 hc_status hc_tables_close(hc_tables *tables, hc_error *error) {
   const hc_status steps = close_table(&tables->steps, error);
   const hc_status load = close_table(&tables->load, steps == HC_OK ? error : NULL);
-  return steps != HC_OK ? steps : load;
+  const hc_status both = steps != HC_OK ? steps : load;
+  const hc_status gauges = close_table(&tables->gauges, both == HC_OK ? error : NULL);
+  return both != HC_OK ? both : gauges;
 }

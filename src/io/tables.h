@@ -1,6 +1,7 @@
-/* steps.csv and load.csv: a row a step. Local, for rank 0; a zeroed hc_tables (the other ranks') takes rows
- * and drops them. Numbers are printed so that they read back as the same doubles, and steps.csv has the same
- * bytes on any number of ranks. A row is in the file when the call returns. */
+/* steps.csv and load.csv: a row a step; gauges.csv: a row a reading. Local, for rank 0; a zeroed hc_tables
+ * (the other ranks') takes rows and drops them. Numbers are printed so that they read back as the same
+ * doubles, and steps.csv has the same bytes on any number of ranks. A row is in the file when the call
+ * returns. */
 #ifndef HC_TABLES_H
 #define HC_TABLES_H
 
@@ -37,19 +38,24 @@ typedef struct hc_table {
 } hc_table;
 
 typedef struct hc_tables {
-  hc_table steps, load;
+  hc_table steps, load, gauges;
 } hc_tables;
 
-/* Opens both in `directory`. last_step < 0: new files. Else a run that goes on from that step: later rows,
- * and a last row cut short, are dropped, and rows are added behind; a missing table is started. HC_IO_FAILED
- * if one cannot be written or an existing one has other columns; then nothing stays open. */
-hc_status hc_tables_open(hc_tables *tables, const char *directory, int64_t last_step, hc_error *error);
+/* Opens them in `directory`; `gauge_names` is the list of gauges.csv's columns behind the time, each led by a
+ * comma: empty for no gauges.csv. last_step < 0: new files. Else a run that goes on from that step and time:
+ * later rows, and a last row cut short, are dropped, and rows are added behind; a missing table is started.
+ * HC_IO_FAILED if one cannot be written or an existing one has other columns; then nothing stays open. */
+hc_status hc_tables_open(hc_tables *tables, const char *directory, const char *gauge_names, int64_t last_step,
+                         double last_time, hc_error *error);
 
 /* Add a row. HC_IO_FAILED with the path and the system's reason, such as a full disk. */
 hc_status hc_tables_add_step(hc_tables *tables, const hc_step_row *row, hc_error *error);
 hc_status hc_tables_add_load(hc_tables *tables, const hc_load_row *row, hc_error *error);
 
-/* Closes both, also after an error. */
+hc_status hc_tables_add_gauges(hc_tables *tables, double time, const double *values, int count,
+                               hc_error *error);
+
+/* Closes them, also after an error. */
 hc_status hc_tables_close(hc_tables *tables, hc_error *error);
 
 #endif

@@ -241,12 +241,13 @@ bool hc_convert(const hc_conversion *c) {
     return convert_names(c, member, (int *)((char *)c->owner + param->count_offset));
   const int length = hc_params_length(param);
   if (length == 1) return convert_component(c, c->node, -1, member);
-  if (c->node->kind != HC_YAML_LIST || c->node->count != length)
-    return refuse(c, c->node, -1, "a list of %d %s", length,
+  const int least = param->shorter ? length - 1 : length;
+  if (c->node->kind != HC_YAML_LIST || c->node->count < least || c->node->count > length)
+    return refuse(c, c->node, -1, "a list of %s%d %s", param->shorter ? "2 or " : "", length,
                   param->kind == HC_PARAM_BOOL    ? "times true or false"
                   : param->kind == HC_PARAM_INT64 ? "integers"
                                                   : "numbers");
   bool good = true;
-  for (int k = 0; k < length; k++) good &= convert_component(c, c->node->items[k], k, member);
+  for (int k = 0; k < c->node->count; k++) good &= convert_component(c, c->node->items[k], k, member);
   return good;
 }

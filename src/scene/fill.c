@@ -65,6 +65,28 @@ static int find_variant(const hc_given *given, hc_complaints *complaints) {
   return -1;
 }
 
+/* Do items of this type have the key? Complains of keys that are given without, or not given but needed. */
+static bool check_type(hc_given *given, int key, const void *owner, hc_complaints *complaints) {
+  const hc_param_table *table = given->table;
+  const hc_param *param = &table->params[key];
+  hc_given_value *value = &given->values[key];
+  if (!param->types || hc_given_value_of(given, "type")->bad) return true;
+  const int type = *(const int *)((const char *)owner + table->type_offset);
+  const char *name = "";
+  for (const hc_choice *choice = table->types; choice->name; choice++)
+    if (choice->value == type) name = choice->name;
+  if (value->node && !(param->types >> type & 1)) {
+    hc_complaints_add(complaints, value->place, "%s%s is no key of type %s", given->prefix, param->path,
+                      name);
+    value->bad = true;
+  } else if (!value->node && !value->bad && (param->needed >> type & 1)) {
+    hc_complaints_add(complaints, given->place, "missing key '%s%s', required for type %s", given->prefix,
+                      param->path, name);
+    value->bad = true;
+  }
+  return !value->bad;
+}
+
 void hc_fill(hc_given *given, void *owner, const hc_scene_limits *limits, hc_complaints *complaints) {
   if (given->bad) return;
   const hc_param_table *table = given->table;
@@ -76,6 +98,7 @@ void hc_fill(hc_given *given, void *owner, const hc_scene_limits *limits, hc_com
   for (int k = 0; k < table->count; k++) {
     const hc_param *param = &table->params[k];
     hc_given_value *value = &given->values[k];
+    if (!check_type(given, k, owner, complaints)) continue;
     const bool applies = param->variant == 0 || param->variant == 1 + variant;
     if (value->node && !applies && variant >= 0) {
       hc_complaints_add(complaints, value->place, "%s%s is a key of %s, not of %s", given->prefix,

@@ -29,6 +29,11 @@ static const hc_choice time_controls[] = {{"constant", HC_TIME_CONSTANT}, {"cfl"
 static const hc_choice decompositions[] = {{"slabs", HC_DECOMPOSITION_SLABS}, {NULL, 0}};
 static const hc_choice rebalances[] = {{"none", HC_REBALANCE_NONE}, {"slabs", HC_REBALANCE_SLABS}, {NULL, 0}};
 
+static const hc_choice gauge_types[] = {{"height", HC_GAUGE_HEIGHT},     {"front", HC_GAUGE_FRONT},
+                                        {"pressure", HC_GAUGE_PRESSURE}, {"flow", HC_GAUGE_FLOW},
+                                        {"force", HC_GAUGE_FORCE},       {"energy", HC_GAUGE_ENERGY},
+                                        {"volume", HC_GAUGE_VOLUME},     {NULL, 0}};
+
 static const char *const wall_types[] = {[HC_WALL_BOX] = "box", [HC_WALL_PLANE] = "plane", NULL};
 
 #define ANY                                                                                                  \
@@ -51,6 +56,7 @@ static const char *const wall_types[] = {[HC_WALL_BOX] = "box", [HC_WALL_PLANE] 
    .range = range_,                                                                                          \
    .sentence = sentence_,                                                                                    \
    __VA_ARGS__},
+#define GAUGES(type) (1u << HC_GAUGE_##type)
 #define TABLE(rows) .params = rows, .count = sizeof(rows) / sizeof((rows)[0]), .size = sizeof(OWNER)
 
 #define OWNER hc_block
@@ -70,6 +76,16 @@ static const hc_param wall_rows[] = {
 static const hc_param_table wall_table = {TABLE(wall_rows), .variants = wall_types,
                                           .variant_offset = offsetof(hc_wall, type)};
 #undef HC_WALL_PARAMS
+#undef OWNER
+
+#define OWNER hc_scene_gauge
+#define HC_GAUGE_PARAMS
+static const hc_param gauge_rows[] = {
+#include "params.def"
+};
+static const hc_param_table gauge_table = {TABLE(gauge_rows), .types = gauge_types,
+                                           .type_offset = offsetof(hc_scene_gauge, type)};
+#undef HC_GAUGE_PARAMS
 #undef OWNER
 
 #define OWNER hc_scene

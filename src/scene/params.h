@@ -52,6 +52,9 @@ typedef struct hc_param {
   size_t count_offset; /* NAMES, LIST: of the int that counts */
   const char *solver;  /* the solver method whose key it is; null: of all */
   int variant;         /* 1 + index of the only variant of the table that has this key; 0: all have it */
+  unsigned types;      /* bits 1 << type: the items' types that have this key; 0: all */
+  unsigned needed;     /* of these, the types that must be given it */
+  bool shorter;        /* the last component may be left away */
   bool hidden;         /* a test hook: accepted, but not in `halocline keys` */
 } hc_param;
 
@@ -62,6 +65,9 @@ struct hc_param_table {
   /* Alternatives of which an item has exactly one, each a map of that name; null: none. */
   const char *const *variants;
   size_t variant_offset; /* of the int that holds the variant's index */
+  /* Items told apart by a first key `type`; null: none. */
+  const hc_choice *types;
+  size_t type_offset; /* of the int that holds the type */
 };
 
 extern const hc_param_table hc_params_scene;

@@ -123,6 +123,48 @@ static void check_wall(hc_scene *scene, int index, const hc_given *given, hc_com
                         "%sname must be the wall's own, not '%s' like wall %d", given->prefix, wall->name, k);
 }
 
+static void check_rectangle(const hc_scene_gauge *gauge, const hc_given *given, hc_complaints *complaints) {
+  int flat = 0, normal = 0;
+  for (int k = 0; k < 3; k++) {
+    if (gauge->box.min[k] == gauge->box.max[k]) flat++;
+    if (gauge->axis & (HC_FACE_MINUS_X | HC_FACE_PLUS_X) << (2 * k)) normal = k;
+  }
+  if (flat == 1 && gauge->box.min[normal] == gauge->box.max[normal]) return;
+  hc_complaints_add(
+      complaints, hc_given_place_of(given, "box.max"),
+      "%sbox must be a rectangle across its axis: box.min and box.max equal along %c and nowhere else",
+      given->prefix, axes[normal]);
+}
+
+static void check_gauge(const hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
+  const hc_scene_gauge *gauge = &scene->output.gauges[index];
+  for (int k = 0; k < 3 && !is_bad(given, "box.min") && !is_bad(given, "box.max"); k++)
+    if (gauge->box.min[k] > gauge->box.max[k])
+      hc_complaints_add(complaints, hc_given_place_of(given, "box.max"),
+                        "%sbox.max must be >= box.min along %c", given->prefix, axes[k]);
+  if (gauge->type == HC_GAUGE_FLOW && !is_bad(given, "axis") && !is_bad(given, "box.min") &&
+      !is_bad(given, "box.max"))
+    check_rectangle(gauge, given, complaints);
+  if (is_given(given, "wall") && !is_bad(given, "wall")) {
+    bool known = false;
+    for (int k = 0; k < scene->boundary.wall_count; k++)
+      known |= strcmp(scene->boundary.walls[k].name, gauge->wall) == 0;
+    if (!known)
+      hc_complaints_add(complaints, hc_given_place_of(given, "wall"),
+                        "%swall must be the name of a wall of the scene, not '%s'", given->prefix,
+                        gauge->wall);
+  }
+  if (is_bad(given, "name")) return;
+  if (strpbrk(gauge->name, ",\""))
+    hc_complaints_add(complaints, hc_given_place_of(given, "name"),
+                      "%sname must do without commas and quotes, not %s", given->prefix, gauge->name);
+  for (int k = 0; k < index; k++)
+    if (strcmp(scene->output.gauges[k].name, gauge->name) == 0)
+      hc_complaints_add(complaints, hc_given_place_of(given, "name"),
+                        "%sname must be the gauge's own, not '%s' like gauge %d", given->prefix, gauge->name,
+                        k);
+}
+
 void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_name,
                     hc_complaints *complaints) {
   if (!is_given(given, "name")) name_scene(scene, file_name);
@@ -140,4 +182,7 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
   const hc_given_value *walls = hc_given_value_of(given, "boundary.walls");
   for (int k = 0; k < walls->item_count; k++)
     if (!walls->items[k].bad) check_wall(scene, k, &walls->items[k], complaints);
+  const hc_given_value *gauges = hc_given_value_of(given, "output.gauges");
+  for (int k = 0; k < gauges->item_count; k++)
+    if (!gauges->items[k].bad) check_gauge(scene, k, &gauges->items[k], complaints);
 }

@@ -7,5 +7,6 @@
 void hc_scene_free(hc_scene *scene) {
   hc_free(scene->fluid.blocks);
   hc_free(scene->boundary.walls);
+  hc_free(scene->output.gauges);
   memset(scene, 0, sizeof *scene);
 }

@@ -56,6 +56,26 @@ typedef struct hc_wall {
   double size[2];   /* plane: edge lengths along its two tangents */
 } hc_wall;
 
+typedef enum hc_gauge_type {
+  HC_GAUGE_HEIGHT,
+  HC_GAUGE_FRONT,
+  HC_GAUGE_PRESSURE,
+  HC_GAUGE_FLOW,
+  HC_GAUGE_FORCE,
+  HC_GAUGE_ENERGY,
+  HC_GAUGE_VOLUME
+} hc_gauge_type;
+
+/* What a run measures; gauges/gauges.h says how. */
+typedef struct hc_scene_gauge {
+  char name[HC_NAME_LENGTH];
+  hc_gauge_type type;
+  unsigned axis;             /* front, flow: one HC_FACE_* bit */
+  double at[3];              /* height: x and y; pressure: the point; force: the moment's point */
+  hc_box box;                /* front, energy, volume: only what is within; flow: the rectangle */
+  char wall[HC_NAME_LENGTH]; /* pressure, force: the wall's name; pressure: may be empty */
+} hc_scene_gauge;
+
 typedef enum hc_viscosity_model {
   HC_VISCOSITY_NONE,
   HC_VISCOSITY_XSPH,       /* coefficient: dimensionless */
@@ -130,6 +150,9 @@ typedef struct hc_scene {
     double snapshots_every; /* s */
     char snapshot_fields[HC_MAX_SNAPSHOT_FIELDS][32];
     int snapshot_field_count;
+    double gauges_every; /* s */
+    hc_scene_gauge *gauges;
+    int gauge_count;
   } output;
 
   struct {

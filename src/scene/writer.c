@@ -95,6 +95,7 @@ static void write_value(FILE *out, const hc_param *param, const void *owner) {
 static bool is_written(const hc_param *param, const void *owner) {
   const void *member = (const char *)owner + param->offset;
   if (param->hidden) return *(const int *)member != 0;
+  if (param->kind == HC_PARAM_TEXT) return *(const char *)member != '\0';
   if (param->kind == HC_PARAM_NUMBER && !param->fallback && hc_params_length(param) == 1)
     return *(const double *)member != 0.0 || hc_params_required(param);
   return true;
@@ -126,6 +127,8 @@ static void write_table(FILE *out, const hc_param_table *table, const void *owne
   for (int k = 0; k < table->count; k++) {
     const hc_param *param = &table->params[k];
     if ((param->variant && param->variant != 1 + variant) || !is_written(param, owner)) continue;
+    if (param->types && !(param->types >> *(const int *)((const char *)owner + table->type_offset) & 1))
+      continue;
     const int inner = write_maps(out, param->path, before, indent, &dash);
     before = param->path;
     if (param->kind != HC_PARAM_LIST) {

@@ -127,7 +127,8 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
 hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, hc_step_report *report,
                   hc_error *error) {
   if (world->contact_limit > 0.0)
-    report->contacts = world->boundary_ops->contact(&world->fluid, world->contact_limit, dt);
+    report->contacts =
+        world->boundary_ops->contact(&world->fluid, settings->rest_density, world->contact_limit, dt);
   hc_comm_sum_i64(world->comm, &report->contacts, 1);
   move_totals totals;
   memset(&totals, 0, sizeof totals);

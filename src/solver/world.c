@@ -1,6 +1,7 @@
 #include "world.h"
 
 #include "base/memory.h"
+#include "particles/ids.h"
 
 #include <string.h>
 
@@ -55,10 +56,21 @@ static void sort_and_halo(hc_world *world, hc_particles *particles, hc_cells *ce
   hc_halo_build(halo, cells);
 }
 
-/* Boundary particles stand still: cells, ghosts and volumes hold until the next rebalance. */
+/* Which wall each boundary particle, own or ghost, belongs to. */
+static void number_walls(hc_world *world) {
+  hc_particles *boundary = &world->boundary;
+  for (int32_t k = 0; k < boundary->own; k++)
+    boundary->place[k].scalar = (float)hc_id_source_of(boundary->id[k]);
+  hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
+  for (int32_t k = 0; k < boundary->own + boundary->ghosts; k++)
+    boundary->wall[k] = boundary->place[k].scalar;
+}
+
+/* Boundary particles stand still: cells, ghosts, numbers and volumes hold until the next rebalance. */
 static void place_boundary(hc_world *world) {
   hc_domain_migrate(&world->domain, &world->boundary);
   sort_and_halo(world, &world->boundary, &world->boundary_cells, &world->boundary_halo);
+  number_walls(world);
   hc_neighbors list;
   hc_neighbors_init(&list);
   hc_neighbors_build(&list, &world->search, &world->boundary_cells, &world->boundary, &world->boundary_cells,

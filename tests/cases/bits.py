@@ -42,6 +42,14 @@ def vortices(case, steps):
     return ranks_agree(case, "tests/cases/vortices.yaml", (1, 4), (), steps or 30)
 
 
+def gauges(case, steps):
+    """A gauge of each kind."""
+    text = ranks_agree(case, "tests/cases/gauges.yaml", (1, 2, 3, 4, 7), (), steps or 60)
+    for ranks in (2, 3, 4, 7):
+        c.expect_same_text(case.folder / "gauges_1/gauges.csv", case.folder / f"gauges_{ranks}/gauges.csv")
+    return text + ", gauges.csv too"
+
+
 def rebalanced(case, steps):
     """A rebalance in the middle, forced by the test hook, changes nothing."""
     steps = steps or 60
@@ -83,5 +91,5 @@ def diff_sees(case, steps):
 
 
 if __name__ == "__main__":
-    c.main(__doc__, {"dam_break": dam_break, "vortices": vortices, "rebalanced": rebalanced, "far_away": far_away,
-                     "instruction_sets": instruction_sets, "diff_sees": diff_sees})
+    c.main(__doc__, {"dam_break": dam_break, "vortices": vortices, "gauges": gauges, "rebalanced": rebalanced,
+                     "far_away": far_away, "instruction_sets": instruction_sets, "diff_sees": diff_sees})

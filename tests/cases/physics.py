@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 """Physics that can be known beforehand, in small runs of the program. Needs h5py and numpy."""
 
+import csv
+
 import h5py
 import numpy as np
 
@@ -116,6 +118,37 @@ def taylor_green(case, _steps):
     return f"energy decays at {rate:.4f} of the exact rate, to {energy[-1] / energy[0]:.3f}"
 
 
+def gauges(case, _steps):
+    """Gauges against what follows from the snapshots: momentum for forces, counts for the flow."""
+    output = case.run("tests/cases/gauges.yaml", "gauges", 2, ("output.gauges_every=1000",))
+    with open(output / "gauges.csv", newline="", encoding="utf-8") as file:
+        rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+    start, end = rows
+    first, last = read(c.snapshots(output)[0]), read(c.snapshots(output)[-1])
+    particles, duration = len(first["id"]), end["time"]
+    mass = 1000 * start["volume"] / particles
+    c.expect(abs(start["volume"] - 0.008) <= 1e-4 * 0.008, f"volume {start['volume']} m3 at the start, not 0.008")
+    c.expect(abs(start["front"] - 0.2) <= 1e-9 and abs(start["depth"] - 0.2) <= 1e-9,
+             f"front {start['front']} m, depth {start['depth']} m at the start, not 0.2")
+    c.expect(abs(start["energy_potential"] - particles * mass * 9.81 * 0.1) <= 1e-6,
+             f"potential energy {start['energy_potential']} J at the start")
+    reached = last["points"][:, 0].max() + 0.01
+    c.expect(abs(end["front"] - reached) <= 1e-8, f"front {end['front']} m at the end, particles reach {reached}")
+    energy = mass * np.sum(last["velocity"]**2) / 2
+    c.expect(abs(end["energy_kinetic"] - energy) <= 1e-5 * energy, f"{end['energy_kinetic']} J, particles have {energy}")
+    beyond = mass / 1000 * np.count_nonzero(last["points"][:, 0] > 0.23)
+    c.expect(abs(end["through"] * duration - beyond) <= 1e-9 and beyond > 0,
+             f"{end['through'] * duration} m3 went through, {beyond} m3 are beyond")
+    weight = np.array([0, 0, -particles * mass * 9.81])
+    walls = np.array([end[f"tank_f{a}"] + end[f"sill_f{a}"] for a in "xyz"])
+    change = mass * (last["velocity"] - first["velocity"]).sum(axis=0)
+    off = np.abs((weight - walls) * duration - change).max() / np.abs(weight * duration).max()
+    c.expect(off <= 1e-4, f"forces on walls and weight change the momentum by {(weight - walls) * duration} N s, "
+                          f"it changes by {change}")
+    c.expect(end["sill_fx"] > 0 and end["face"] > 0, f"the sill is pushed with {end['sill_fx']} N, {end['face']} Pa")
+    return f"momentum agrees within {off:.1e} of the weight's, {beyond:.6f} m3 went through the rectangle"
+
+
 def dam_break(case, steps):
     """No particle is lost, none leaves the tank, the density stays near that of water, no energy appears."""
     steps = steps or 400
@@ -149,5 +182,5 @@ def dam_break(case, steps):
 
 if __name__ == "__main__":
     c.main(__doc__, {"free_fall": free_fall, "hydrostatic": hydrostatic,
-                     "hydrostatic_walled": hydrostatic_walled, "taylor_green": taylor_green,
+                     "hydrostatic_walled": hydrostatic_walled, "taylor_green": taylor_green, "gauges": gauges,
                      "dam_break": dam_break})

@@ -104,7 +104,7 @@ static hc_step_row step_row(int64_t step) {
 
 START_TEST(tables_hold_their_rows) {
   hc_tables tables;
-  ck_assert_int_eq(hc_tables_open(&tables, directory, -1, &error), HC_OK);
+  ck_assert_int_eq(hc_tables_open(&tables, directory, "", -1, 0, &error), HC_OK);
   for (int64_t step = 1; step <= 2; step++) {
     const hc_step_row row = step_row(step);
     const hc_load_row load = {step, 0.5, 1.25, 17, 4096, "snapshot"};
@@ -125,7 +125,7 @@ END_TEST
 
 START_TEST(tables_go_on_after_a_restart) {
   hc_tables tables;
-  ck_assert_int_eq(hc_tables_open(&tables, directory, -1, &error), HC_OK);
+  ck_assert_int_eq(hc_tables_open(&tables, directory, "", -1, 0, &error), HC_OK);
   for (int64_t step = 1; step <= 9; step++) {
     const hc_step_row row = step_row(step);
     ck_assert_int_eq(hc_tables_add_step(&tables, &row, &error), HC_OK);
@@ -134,7 +134,7 @@ START_TEST(tables_go_on_after_a_restart) {
   ck_assert_int_eq(hc_tables_close(&tables, &error), HC_OK);
   char whole[8192];
   snprintf(whole, sizeof whole, "%.8000s", content("steps.csv"));
-  ck_assert_int_eq(hc_tables_open(&tables, directory, 5, &error), HC_OK);
+  ck_assert_int_eq(hc_tables_open(&tables, directory, "", 5, 0, &error), HC_OK);
   for (int64_t step = 6; step <= 9; step++) {
     const hc_step_row row = step_row(step);
     ck_assert_int_eq(hc_tables_add_step(&tables, &row, &error), HC_OK);
@@ -145,7 +145,7 @@ START_TEST(tables_go_on_after_a_restart) {
   FILE *file = fopen(in("load.csv"), "w");
   fputs("step,else\n1,2\n", file);
   fclose(file);
-  ck_assert_int_eq(hc_tables_open(&tables, directory, 5, &error), HC_IO_FAILED);
+  ck_assert_int_eq(hc_tables_open(&tables, directory, "", 5, 0, &error), HC_IO_FAILED);
   ck_assert_msg(strstr(error.text, "its first line must be step,wall_seconds"), "%s", error.text);
 }
 END_TEST
@@ -153,10 +153,10 @@ END_TEST
 START_TEST(a_full_disk_ends_a_table) {
   hc_tables tables;
   ck_assert_int_eq(symlink("/dev/full", in("load.csv")), 0);
-  ck_assert_int_eq(hc_tables_open(&tables, directory, -1, &error), HC_IO_FAILED);
+  ck_assert_int_eq(hc_tables_open(&tables, directory, "", -1, 0, &error), HC_IO_FAILED);
   ck_assert_msg(strstr(error.text, "load.csv: No space left"), "%s", error.text);
   ck_assert_int_eq(unlink(in("load.csv")), 0);
-  ck_assert_int_eq(hc_tables_open(&tables, directory, -1, &error), HC_OK);
+  ck_assert_int_eq(hc_tables_open(&tables, directory, "", -1, 0, &error), HC_OK);
   tables.steps.stream = freopen("/dev/full", "w", tables.steps.stream);
   const hc_step_row row = step_row(1);
   ck_assert_int_eq(hc_tables_add_step(&tables, &row, &error), HC_IO_FAILED);

@@ -1,0 +1,252 @@
+#include "gauges.h"
+
+#include "base/memory.h"
+#include "measures.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const force_columns[] = {"fx", "fy", "fz", "mx", "my", "mz"};
+static const char *const energy_columns[] = {"kinetic", "potential"};
+
+static int columns_of(hc_gauge_type type) {
+  return type == HC_GAUGE_FORCE ? 6 : type == HC_GAUGE_ENERGY ? 2 : 1;
+}
+
+int hc_gauges_columns(const hc_scene *scene) {
+  int columns = 0;
+  for (int g = 0; g < scene->output.gauge_count; g++) columns += columns_of(scene->output.gauges[g].type);
+  return columns;
+}
+
+void hc_gauges_column_name(const hc_scene *scene, int column, char *name, size_t size) {
+  const hc_scene_gauge *gauge = scene->output.gauges;
+  while (column >= columns_of(gauge->type)) column -= columns_of(gauge++->type);
+  const char *part = gauge->type == HC_GAUGE_FORCE    ? force_columns[column]
+                     : gauge->type == HC_GAUGE_ENERGY ? energy_columns[column]
+                                                      : "";
+  snprintf(name, size, "%s%s%s", gauge->name, *part ? "_" : "", part);
+}
+
+static int find_wall(const hc_scene *scene, const char *name) {
+  for (int k = 0; k < scene->boundary.wall_count; k++)
+    if (*name && strcmp(scene->boundary.walls[k].name, name) == 0) return k;
+  return -1;
+}
+
+/* Adds sums over the ranks, as many as there are. */
+static void add_over_ranks(hc_comm *comm, hc_sum *sums, int count) {
+  for (int k = 0; k < count; k += HC_COMM_MAX_SUMS)
+    hc_comm_sum_exact(comm, sums + k, count - k < HC_COMM_MAX_SUMS ? count - k : HC_COMM_MAX_SUMS);
+}
+
+static double sum_over_ranks(hc_comm *comm, hc_sum *sum) {
+  hc_comm_sum_exact(comm, sum, 1);
+  return hc_sum_value(sum);
+}
+
+static bool pushes_wall(const hc_gauges *gauges, int g) {
+  return gauges->state[g].wall >= 0;
+}
+
+/* How many sums over the ranks a step of a gauge takes: force and moment; a force; sum p W and sum W; a
+ * count. */
+static int sums_of(const hc_gauges *gauges, int g) {
+  switch (gauges->scene->output.gauges[g].type) {
+  case HC_GAUGE_FORCE:
+    return 6;
+  case HC_GAUGE_PRESSURE:
+    return pushes_wall(gauges, g) ? 3 : 2;
+  case HC_GAUGE_FLOW:
+    return 1;
+  default:
+    return 0;
+  }
+}
+
+void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
+                    double mass, const hc_particles *boundary) {
+  const int count = scene->output.gauge_count;
+  *gauges = (hc_gauges){.scene = scene,
+                        .frame = frame,
+                        .comm = comm,
+                        .state = hc_alloc_zero((size_t)count, sizeof(hc_gauge_state)),
+                        .mass = mass};
+  for (int g = 0; g < count; g++) {
+    const hc_scene_gauge *gauge = &scene->output.gauges[g];
+    gauges->state[g].wall = find_wall(scene, gauge->wall);
+    gauges->state[g].first_sum = gauges->sum_count;
+    gauges->sum_count += sums_of(gauges, g);
+    if (gauge->type != HC_GAUGE_PRESSURE || gauges->state[g].wall < 0) continue;
+    hc_sum area;
+    memset(&area, 0, sizeof area);
+    hc_measure_patch_area(gauges, g, boundary, &area);
+    gauges->state[g].area = sum_over_ranks(comm, &area);
+  }
+}
+
+void hc_gauges_free(hc_gauges *gauges) {
+  hc_free(gauges->state);
+  memset(gauges, 0, sizeof *gauges);
+}
+
+/* What a step's sums mean: the step's mean value of each column of a gauge. */
+static void add_step(hc_gauges *gauges, int g, const hc_sum *sums, double dt) {
+  hc_gauge_state *state = &gauges->state[g];
+  double value[HC_GAUGE_COLUMNS];
+  for (int k = 0; k < sums_of(gauges, g); k++) value[k] = hc_sum_value(&sums[k]);
+  switch (gauges->scene->output.gauges[g].type) {
+  case HC_GAUGE_FORCE:
+    for (int k = 0; k < HC_GAUGE_COLUMNS; k++) state->integral[k] += dt * value[k];
+    break;
+  case HC_GAUGE_PRESSURE:
+    if (pushes_wall(gauges, g)) {
+      const double push = sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
+      if (state->area > 0.0) state->integral[0] += dt * (push / state->area);
+    } else if (value[1] > 0.0) {
+      state->integral[0] += dt * (value[0] / value[1]);
+    }
+    break;
+  case HC_GAUGE_FLOW: /* particles */
+    state->integral[0] += value[0] * (gauges->mass / gauges->scene->fluid.rest_density);
+    break;
+  default:
+    break;
+  }
+}
+
+void hc_gauges_step(hc_gauges *gauges, const hc_sweep *sweep, double dt) {
+  const hc_scene *scene = gauges->scene;
+  const int count = scene->output.gauge_count;
+  gauges->elapsed += dt;
+  if (gauges->sum_count == 0) return;
+  hc_sum *sums = hc_alloc_zero((size_t)gauges->sum_count, sizeof *sums);
+  bool pushed = false;
+  for (int g = 0; g < count; g++) {
+    const hc_scene_gauge *gauge = &scene->output.gauges[g];
+    hc_sum *own = sums + gauges->state[g].first_sum;
+    pushed |= pushes_wall(gauges, g);
+    if (gauge->type == HC_GAUGE_PRESSURE && !pushes_wall(gauges, g))
+      hc_measure_point_pressure(gauges, gauge, sweep->fluid, own);
+    if (gauge->type == HC_GAUGE_FLOW)
+      hc_sum_add(own, (double)hc_measure_crossings(gauges, gauge, sweep->fluid, dt));
+  }
+  if (pushed) hc_measure_wall_push(gauges, sweep, dt, sums);
+  add_over_ranks(gauges->comm, sums, gauges->sum_count);
+  for (int g = 0; g < count; g++) add_step(gauges, g, sums + gauges->state[g].first_sum, dt);
+  hc_free(sums);
+}
+
+/* ---- readings of the moment ---- */
+
+static int ascending(const void *a, const void *b) {
+  const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
+  return (p > q) - (p < q);
+}
+
+/* Particles within a spacing of the line; runs of them with gaps of up to 1.5 spacings are wet, and half a
+ * spacing beyond either end. */
+static double read_height(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid) {
+  const hc_frame *frame = gauges->frame;
+  const double spacing = gauges->scene->particle_spacing;
+  int64_t *mine = hc_alloc((size_t)fluid->own, sizeof *mine);
+  size_t count = 0, bytes = 0;
+  const hc_point at = hc_measure_point(frame, gauge->at);
+  for (int32_t i = 0; i < fluid->own; i++) {
+    double offset[3];
+    hc_measure_offset(frame, &fluid->position[3 * (size_t)i], &at, offset);
+    if (offset[0] * offset[0] + offset[1] * offset[1] <= spacing * spacing)
+      mine[count++] = fluid->position[3 * (size_t)i + 2];
+  }
+  void *found;
+  hc_comm_gather_all(gauges->comm, mine, count * sizeof *mine, &found, &bytes);
+  int64_t *z = found;
+  count = bytes / sizeof *z;
+  if (count) qsort(z, count, sizeof *z, ascending);
+  double wet = 0.0;
+  for (size_t k = 0; k < count; k++) {
+    const double gap = k > 0 ? (double)(z[k] - z[k - 1]) * frame->unit[2] : INFINITY;
+    wet += gap <= 1.5 * spacing ? gap : spacing;
+  }
+  hc_free(found);
+  hc_free(mine);
+  return wet;
+}
+
+static double read_front(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid) {
+  int axis = 0;
+  while (!(gauge->axis & (HC_FACE_MINUS_X | HC_FACE_PLUS_X) << (2 * axis))) axis++;
+  const int sign = gauge->axis & HC_FACE_PLUS_X << (2 * axis) ? 1 : -1;
+  int64_t farthest = INT64_MIN;
+  for (int32_t i = 0; i < fluid->own; i++) {
+    const int64_t *position = &fluid->position[3 * (size_t)i];
+    if (sign * position[axis] > farthest && hc_measure_in_box(gauge, gauges->frame, position))
+      farthest = sign * position[axis];
+  }
+  hc_comm_max_i64(gauges->comm, &farthest, 1);
+  if (farthest == INT64_MIN) return NAN;
+  return hc_frame_to_metres(gauges->frame, axis, sign * farthest) +
+         sign * 0.5 * gauges->scene->particle_spacing;
+}
+
+static void read_energy(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid,
+                        double values[2]) {
+  hc_sum sums[2];
+  memset(sums, 0, sizeof sums);
+  for (int32_t i = 0; i < fluid->own; i++) {
+    const int64_t *position = &fluid->position[3 * (size_t)i];
+    if (!hc_measure_in_box(gauge, gauges->frame, position)) continue;
+    const double *v = &fluid->velocity[3 * (size_t)i];
+    double depth = 0.0;
+    for (int axis = 0; axis < 3; axis++)
+      depth += gauges->scene->gravity[axis] * hc_frame_to_metres(gauges->frame, axis, position[axis]);
+    hc_sum_add(&sums[0], v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    hc_sum_add(&sums[1], depth);
+  }
+  add_over_ranks(gauges->comm, sums, 2);
+  values[0] = 0.5 * gauges->mass * hc_sum_value(&sums[0]);
+  values[1] = -gauges->mass * hc_sum_value(&sums[1]);
+}
+
+static double read_volume(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid) {
+  hc_sum sum;
+  memset(&sum, 0, sizeof sum);
+  for (int32_t i = 0; i < fluid->own; i++)
+    if (hc_measure_in_box(gauge, gauges->frame, &fluid->position[3 * (size_t)i]))
+      hc_sum_add(&sum, gauges->mass / fmax((double)fluid->density[i], gauges->scene->fluid.rest_density));
+  return sum_over_ranks(gauges->comm, &sum);
+}
+
+void hc_gauges_read(hc_gauges *gauges, const hc_particles *fluid, double *values) {
+  const hc_scene *scene = gauges->scene;
+  for (int g = 0; g < scene->output.gauge_count; g++) {
+    const hc_scene_gauge *gauge = &scene->output.gauges[g];
+    const int columns = columns_of(gauge->type);
+    hc_gauge_state *state = &gauges->state[g];
+    switch (gauge->type) {
+    case HC_GAUGE_HEIGHT:
+      values[0] = read_height(gauges, gauge, fluid);
+      break;
+    case HC_GAUGE_FRONT:
+      values[0] = read_front(gauges, gauge, fluid);
+      break;
+    case HC_GAUGE_ENERGY:
+      read_energy(gauges, gauge, fluid, values);
+      break;
+    case HC_GAUGE_VOLUME:
+      values[0] = read_volume(gauges, gauge, fluid);
+      break;
+    case HC_GAUGE_PRESSURE:
+    case HC_GAUGE_FLOW:
+    case HC_GAUGE_FORCE:
+      for (int k = 0; k < columns; k++)
+        values[k] = gauges->elapsed > 0.0 ? state->integral[k] / gauges->elapsed : 0.0;
+      memset(state->integral, 0, sizeof state->integral);
+      break;
+    }
+    values += columns;
+  }
+  gauges->elapsed = 0.0;
+}

@@ -1,0 +1,59 @@
+/* Gauges: what a run measures on its particles, exact across ranks.
+ *
+ * height    depth of water along a vertical line: the length that is wet, gaps of up to 1.5 spacings closed
+ * front     farthest water along an axis, half a spacing beyond the last particle; nan where there is none
+ * pressure  at a point in the fluid: the kernel's weighted mean of the particles around. With a wall: the
+ * push on the wall's samples around the point over their area, which is exact in the mean where the pressures
+ * of the layer next to a wall are not flow      volume per time through a rectangle, counted particle by
+ * particle force     pressure force and its moment on a wall; viscous drag is not included energy    kinetic
+ * and potential volume    sum of m/max(rho, rho0): what compression takes away
+ *
+ * Pressure, flow and force are means over the time since the last reading, step by step, so that no impulse
+ * falls between two readings; the others are of the moment. All sums are exact, extremes need no order: the
+ * same values on any number of ranks. The averages under way are state of the run. */
+#ifndef HC_GAUGES_H
+#define HC_GAUGES_H
+
+#include "comm/comm.h"
+#include "scene/scene.h"
+#include "space/frame.h"
+#include "sph/sweeps.h"
+
+enum { HC_GAUGE_COLUMNS = 6 }; /* the most that one gauge has */
+
+/* One gauge at work. */
+typedef struct hc_gauge_state {
+  double integral[HC_GAUGE_COLUMNS]; /* of what is averaged, over the time since the last reading */
+  double area;                       /* pressure on a wall: weighted area of the samples around, m2 */
+  int wall;                          /* the wall's number; -1: none */
+  int first_sum;                     /* of a step's sums over the ranks */
+} hc_gauge_state;
+
+typedef struct hc_gauges {
+  const hc_scene *scene; /* the caller's */
+  const hc_frame *frame; /* the caller's */
+  hc_comm *comm;
+  hc_gauge_state *state; /* one for each of scene->output.gauges */
+  double mass;           /* kg, of a fluid particle */
+  int sum_count;         /* of all gauges that are averaged */
+  double elapsed;        /* s, since the last reading */
+} hc_gauges;
+
+/* Sets up the scene's gauges; scene and frame stay in use. Boundary particles must be with their owners.
+ * Collective. */
+void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
+                    double mass, const hc_particles *boundary);
+void hc_gauges_free(hc_gauges *gauges);
+
+/* Columns of all gauges together, and the name of one of them (such as "box_fx"). Local. */
+int hc_gauges_columns(const hc_scene *scene);
+void hc_gauges_column_name(const hc_scene *scene, int column, char *name, size_t size);
+
+/* After each step: adds it to what is averaged. `sweep` still has the places and wall lists that the step
+ * worked with, positions are those after it. Collective. */
+void hc_gauges_step(hc_gauges *gauges, const hc_sweep *sweep, double dt);
+
+/* The values of all columns, on every rank, and a new start for the averages. Collective. */
+void hc_gauges_read(hc_gauges *gauges, const hc_particles *fluid, double *values);
+
+#endif

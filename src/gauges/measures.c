@@ -1,0 +1,156 @@
+#include "measures.h"
+
+#include <math.h>
+
+/* The cubic spline's shape (sph/sweeps.h), 0 for q >= 1. */
+static double shape(double q) {
+  const double outer = fmax(1.0 - q, 0.0), inner = fmax(0.5 - q, 0.0);
+  return 2.0 * outer * outer * outer - 8.0 * inner * inner * inner;
+}
+
+/* (dW/dq)/q of the shape: never positive. */
+static double slope_over_q(double q) {
+  return q <= 0.5 ? -12.0 + 18.0 * q : -6.0 * (1.0 - q) * (1.0 - q) / q;
+}
+
+static double length(const double v[3]) {
+  return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+hc_point hc_measure_point(const hc_frame *frame, const double metres[3]) {
+  hc_point point;
+  for (int axis = 0; axis < 3; axis++) point.x[axis] = hc_frame_to_units(frame, axis, metres[axis]);
+  return point;
+}
+
+void hc_measure_offset(const hc_frame *frame, const int64_t position[3], const hc_point *point,
+                       double offset[3]) {
+  for (int axis = 0; axis < 3; axis++) {
+    int64_t units = position[axis] - point->x[axis];
+    const int64_t period = frame->period[axis];
+    if (period > 0) {
+      units %= period;
+      if (units > period / 2) units -= period;
+      if (units < -period / 2) units += period;
+    }
+    offset[axis] = (double)units * frame->unit[axis];
+  }
+}
+
+bool hc_measure_in_box(const hc_scene_gauge *gauge, const hc_frame *frame, const int64_t position[3]) {
+  for (int axis = 0; axis < 3; axis++) {
+    const double x = hc_frame_to_metres(frame, axis, position[axis]);
+    if (!(x >= gauge->box.min[axis] && x <= gauge->box.max[axis])) return false;
+  }
+  return true;
+}
+
+void hc_measure_point_pressure(const hc_gauges *gauges, const hc_scene_gauge *gauge,
+                               const hc_particles *fluid, hc_sum sums[2]) {
+  const double radius = gauges->frame->support_radius;
+  const hc_point at = hc_measure_point(gauges->frame, gauge->at);
+  for (int32_t i = 0; i < fluid->own; i++) {
+    double offset[3];
+    hc_measure_offset(gauges->frame, &fluid->position[3 * (size_t)i], &at, offset);
+    if (fabs(offset[0]) >= radius) continue;
+    const double weight = shape(length(offset) / radius);
+    if (weight == 0.0) continue;
+    hc_sum_add(&sums[0], weight * (double)fluid->pressure[i]);
+    hc_sum_add(&sums[1], weight);
+  }
+}
+
+void hc_measure_patch_area(const hc_gauges *gauges, int number, const hc_particles *boundary, hc_sum *sum) {
+  const double spacing = gauges->scene->particle_spacing;
+  const hc_point at = hc_measure_point(gauges->frame, gauges->scene->output.gauges[number].at);
+  for (int32_t k = 0; k < boundary->own; k++) {
+    if ((int)boundary->wall[k] != gauges->state[number].wall) continue;
+    double offset[3];
+    hc_measure_offset(gauges->frame, &boundary->position[3 * (size_t)k], &at, offset);
+    hc_sum_add(sum, spacing * spacing * shape(length(offset) / gauges->frame->support_radius));
+  }
+}
+
+int64_t hc_measure_crossings(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid,
+                             double dt) {
+  const hc_frame *frame = gauges->frame;
+  int normal = 0;
+  while (!(gauge->axis & (HC_FACE_MINUS_X | HC_FACE_PLUS_X) << (2 * normal))) normal++;
+  const int sign = gauge->axis & HC_FACE_PLUS_X << (2 * normal) ? 1 : -1;
+  const hc_point corner = hc_measure_point(frame, gauge->box.min);
+  int64_t crossings = 0;
+  for (int32_t i = 0; i < fluid->own; i++) {
+    const double *velocity = &fluid->velocity[3 * (size_t)i];
+    double offset[3];
+    hc_measure_offset(frame, &fluid->position[3 * (size_t)i], &corner, offset);
+    const double after = offset[normal], before = after - velocity[normal] * dt;
+    if ((after >= 0.0) == (before >= 0.0)) continue;
+    const double back = after / (after - before); /* share of the step since the crossing */
+    bool within = true;
+    for (int axis = 0; axis < 3; axis++) {
+      const double at = offset[axis] - back * dt * velocity[axis];
+      within &= axis == normal || (at >= 0.0 && at < gauge->box.max[axis] - gauge->box.min[axis]);
+    }
+    if (within) crossings += after >= 0.0 ? sign : -sign;
+  }
+  return crossings;
+}
+
+/* One particle's push on one sample of a wall. */
+typedef struct push {
+  int wall;
+  double force[3]; /* N */
+  double at[3];    /* of the sample, m, scene coordinates */
+} push;
+
+/* Force and moment, or the force weighted around the gauge's point. */
+static void add_push(const hc_gauges *gauges, const push *push, hc_sum *sums) {
+  const hc_scene *scene = gauges->scene;
+  for (int g = 0; g < scene->output.gauge_count; g++) {
+    const hc_scene_gauge *gauge = &scene->output.gauges[g];
+    if (gauges->state[g].wall != push->wall) continue;
+    hc_sum *to = sums + gauges->state[g].first_sum;
+    double arm[3];
+    for (int axis = 0; axis < 3; axis++) arm[axis] = push->at[axis] - gauge->at[axis];
+    const double *f = push->force;
+    const bool force = gauge->type == HC_GAUGE_FORCE;
+    const double weight = force ? 1.0 : shape(length(arm) / gauges->frame->support_radius);
+    if (weight == 0.0) continue;
+    for (int axis = 0; axis < 3; axis++) {
+      hc_sum_add(&to[axis], weight * f[axis]);
+      const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+      if (force) hc_sum_add(&to[3 + axis], arm[b] * f[c] - arm[c] * f[b]);
+    }
+  }
+}
+
+/* The pressure force that the step put on walls is that of its velocity changes: m/rho0 p V_b grad W a pair.
+ */
+void hc_measure_wall_push(const hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_sum *sums) {
+  const hc_particles *fluid = sweep->fluid, *boundary = sweep->boundary;
+  const hc_neighbors *walls = sweep->walls;
+  for (int32_t i = 0; i < fluid->own; i++) {
+    if (walls->count[i] == 0 || fluid->pressure[i] == 0.0f) continue;
+    const double strength = (double)fluid->pressure[i] * sweep->volume * sweep->gradient;
+    const uint32_t *offset = walls->offset + (size_t)walls->start[i] * HC_LIST_GROUP;
+    for (int32_t k = 0; k < walls->count[i]; k++) {
+      const int32_t b = (int32_t)(offset[k] / sizeof(hc_record));
+      double d[3], square = 0.0;
+      push push = {.wall = (int)boundary->wall[b]};
+      for (int axis = 0; axis < 3; axis++) {
+        const int32_t units =
+            (int32_t)((uint32_t)fluid->place[i].x[axis] - (uint32_t)boundary->place[b].x[axis]);
+        d[axis] = (double)units * sweep->scale[axis];
+        square += d[axis] * d[axis];
+        push.at[axis] = hc_frame_to_metres(gauges->frame, axis, fluid->position[3 * (size_t)i + axis]) -
+                        dt * fluid->velocity[3 * (size_t)i + axis] -
+                        (double)units * gauges->frame->unit[axis];
+      }
+      const double q = sqrt(square);
+      if (q >= 1.0) continue;
+      const double factor = strength * (double)boundary->place[b].scalar * slope_over_q(q);
+      for (int axis = 0; axis < 3; axis++) push.force[axis] = factor * d[axis];
+      add_push(gauges, &push, sums);
+    }
+  }
+}

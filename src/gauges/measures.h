@@ -1,0 +1,37 @@
+/* Single measures on the particles of one rank; gauges.c adds them up over the ranks. */
+#ifndef HC_MEASURES_H
+#define HC_MEASURES_H
+
+#include "gauges.h"
+
+/* A place in units of the frame. */
+typedef struct hc_point {
+  int64_t x[3];
+} hc_point;
+
+hc_point hc_measure_point(const hc_frame *frame, const double metres[3]);
+
+/* Position of a particle relative to a point, in metres, through the nearest periodic image. */
+void hc_measure_offset(const hc_frame *frame, const int64_t position[3], const hc_point *point,
+                       double offset[3]);
+
+/* Is a particle within the gauge's box? True without a box. */
+bool hc_measure_in_box(const hc_scene_gauge *gauge, const hc_frame *frame, const int64_t position[3]);
+
+/* sum p W and sum W over the fluid around the gauge's point. */
+void hc_measure_point_pressure(const hc_gauges *gauges, const hc_scene_gauge *gauge,
+                               const hc_particles *fluid, hc_sum sums[2]);
+
+/* Weighted area of the wall's samples around the gauge's point, m2. */
+void hc_measure_patch_area(const hc_gauges *gauges, int number, const hc_particles *boundary, hc_sum *sum);
+
+/* Particles that crossed the gauge's rectangle in the step that has brought them here, along its axis less
+ * against it. */
+int64_t hc_measure_crossings(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid,
+                             double dt);
+
+/* Adds what the step pushed walls with to the sums of all force and wall pressure gauges: force and moment,
+ * or the force weighted around the point; a gauge's sums begin at its state's first_sum. */
+void hc_measure_wall_push(const hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_sum *sums);
+
+#endif
