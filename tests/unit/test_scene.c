@@ -77,11 +77,15 @@ static void expect_same(const hc_scene *a, const hc_scene *b) {
   const size_t wall_bytes = (size_t)a->boundary.wall_count * sizeof *a->boundary.walls;
   if (block_bytes) ck_assert_mem_eq(a->fluid.blocks, b->fluid.blocks, block_bytes);
   if (wall_bytes) ck_assert_mem_eq(a->boundary.walls, b->boundary.walls, wall_bytes);
+  ck_assert_int_eq(a->output.gauge_count, b->output.gauge_count);
+  const size_t gauge_bytes = (size_t)a->output.gauge_count * sizeof *a->output.gauges;
+  if (gauge_bytes) ck_assert_mem_eq(a->output.gauges, b->output.gauges, gauge_bytes);
   hc_scene left, right;
   memcpy(&left, a, sizeof left);
   memcpy(&right, b, sizeof right);
   left.fluid.blocks = right.fluid.blocks = NULL;
   left.boundary.walls = right.boundary.walls = NULL;
+  left.output.gauges = right.output.gauges = NULL;
   ck_assert_mem_eq(&left, &right, sizeof left);
 }
 
@@ -142,7 +146,18 @@ static const char full[] =
     "  divergence_iterations: {min: 0, max: 1}, warm_start: 1, min_divergence_neighbors: 0,\n"
     "  negative_pressure: true}\n"
     "time_step: {control: constant, size: 1e-4, factor: 0.3, max: 1}\n"
-    "output: {snapshots: {every: 0, fields: [id]}}\n"
+    "output:\n"
+    "  snapshots: {every: 0, fields: [id]}\n"
+    "  gauges_every: 0.25\n"
+    "  gauges:\n"
+    "  - {name: a, type: front, axis: -y}\n"
+    "  - {name: b, type: height, at: [1, 2]}\n"
+    "  - {name: c, type: pressure, at: [1, 2, 3]}\n"
+    "  - {name: d, type: pressure, at: [1, 2, 3], wall: post}\n"
+    "  - {name: e, type: flow, axis: +z, box: {min: [0, 0, 1], max: [2, 1, 1]}}\n"
+    "  - {name: f, type: force, wall: wall_0, at: [1, 0, 0]}\n"
+    "  - {name: g, type: energy, box: {min: [0, 0, 1], max: [2, 1, 1]}}\n"
+    "  - {name: h, type: volume}\n"
     "parallel: {rebalance: none, rebalance_above: 1, rebalance_at: 12}\n";
 
 START_TEST(test_values) {
@@ -171,6 +186,37 @@ END_TEST
 typedef struct pair {
   const char *given, *message;
 } pair;
+
+/* One gauge below the smallest scene. */
+static void refuse_gauge(const char *gauge, const char *message) {
+  char text[1024], placed[1024];
+  snprintf(text, sizeof text, SMALLEST "output:\n  gauges:\n  - {%s}\n", gauge);
+  snprintf(placed, sizeof placed, "5:%s", message);
+  refuse(text, placed);
+}
+
+START_TEST(test_gauges) {
+  refuse_gauge("name: a", "5: missing required key 'output.gauges[0].type'");
+  refuse_gauge("name: a, type: level",
+               "21: output.gauges[0].type must be one of height, front, pressure, flow, "
+               "force, energy, volume, not 'level'");
+  refuse_gauge("name: a, type: front", "5: missing key 'output.gauges[0].axis', required for type front");
+  refuse_gauge("name: a, type: height, at: [1, 2], axis: +x",
+               "47: output.gauges[0].axis is no key of type height");
+  refuse_gauge("name: a, type: pressure, at: [1]",
+               "35: output.gauges[0].at must be a list of 2 or 3 numbers, not a list of 1");
+  refuse_gauge("name: a, type: force, wall: tank",
+               "34: output.gauges[0].wall must be the name of a wall of the scene, not 'tank'");
+  refuse_gauge("name: a, type: volume, box: {min: [0, 0, 0], max: [1, -1, 1]}",
+               "56: output.gauges[0].box.max must be >= box.min along y");
+  refuse_gauge(
+      "name: a, type: flow, axis: +x, box: {min: [0, 0, 0], max: [1, 1, 1]}",
+      "64: output.gauges[0].box must be a rectangle across its axis: box.min and box.max equal along x "
+      "and nowhere else");
+  refuse_gauge("name: 'a,b', type: volume",
+               "12: output.gauges[0].name must do without commas and quotes, not a,b");
+}
+END_TEST
 
 START_TEST(test_errors_in_a_line) {
   static const pair cases[] = {
@@ -486,7 +532,7 @@ int main(void) {
                                 test_errors_elsewhere, test_many_errors,    test_not_yaml,
                                 test_overrides,        test_bad_overrides,  test_files,
                                 test_round_trip,       test_write_failures, test_keys,
-                                test_own_scenes};
+                                test_gauges,           test_own_scenes};
   Suite *suite = suite_create("scene");
   TCase *all = tcase_create("all");
   for (size_t k = 0; k < sizeof tests / sizeof tests[0]; k++) tcase_add_test(all, tests[k]);
