@@ -13,8 +13,10 @@ static const hc_choice viscosity_models[] = {{"none", HC_VISCOSITY_NONE},
                                              {"artificial", HC_VISCOSITY_ARTIFICIAL},
                                              {"laminar", HC_VISCOSITY_LAMINAR},
                                              {NULL, 0}};
-static const hc_choice flow_types[] = {
-    {"none", HC_FLOW_NONE}, {"taylor_green", HC_FLOW_TAYLOR_GREEN}, {NULL, 0}};
+static const hc_choice flow_types[] = {{"none", HC_FLOW_NONE},
+                                       {"taylor_green", HC_FLOW_TAYLOR_GREEN},
+                                       {"standing_wave", HC_FLOW_STANDING_WAVE},
+                                       {NULL, 0}};
 static const hc_choice boundary_methods[] = {{"akinci2012", HC_BOUNDARY_AKINCI2012}, {NULL, 0}};
 static const hc_choice insides[] = {{"fluid", HC_INSIDE_FLUID}, {"solid", HC_INSIDE_SOLID}, {NULL, 0}};
 static const hc_choice faces[] = {{"-x", HC_FACE_MINUS_X},

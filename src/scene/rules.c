@@ -91,6 +91,8 @@ static void check_block(const hc_block *block, const hc_given *given, hc_complai
   if (is_bad(given, "flow.type") || block->flow.type == HC_FLOW_NONE) return;
   require(given, "flow.speed", "with a flow.type", complaints);
   require(given, "flow.length", "with a flow.type", complaints);
+  if (block->flow.type == HC_FLOW_STANDING_WAVE)
+    require(given, "flow.depth", "with flow.type standing_wave", complaints);
 }
 
 /* To unit length; one that has it already keeps its bits, so that a written scene reads back the same. */

@@ -14,14 +14,16 @@ typedef struct hc_box {
   double min[3], max[3];
 } hc_box;
 
-typedef enum hc_flow_type { HC_FLOW_NONE, HC_FLOW_TAYLOR_GREEN } hc_flow_type;
+typedef enum hc_flow_type { HC_FLOW_NONE, HC_FLOW_TAYLOR_GREEN, HC_FLOW_STANDING_WAVE } hc_flow_type;
 
 /* An initial velocity field, added to a block's constant velocity.
- * taylor_green: u = -U cos(2 pi x/L) sin(2 pi y/L), v = U sin(2 pi x/L) cos(2 pi y/L), w = 0. */
+ * taylor_green: u = -U cos(2 pi x/L) sin(2 pi y/L), v = U sin(2 pi x/L) cos(2 pi y/L), w = 0.
+ * standing_wave: u = U cosh(k z)/sinh(k H) sin(k x), w = -U sinh(k z)/sinh(k H) cos(k x), k = 2 pi/L. */
 typedef struct hc_flow {
   hc_flow_type type;
   double speed;  /* U, m/s */
   double length; /* L, m */
+  double depth;  /* H, m: standing_wave, whose bed is at z = 0 */
 } hc_flow;
 
 typedef struct hc_block {

@@ -19,7 +19,8 @@ hc_sweep hc_sweep_make(const hc_frame *frame, double volume, double rest_density
                     .volume = (float)volume,
                     .kernel = (float)(sigma / (h * h * h)),
                     .gradient = (float)(sigma / (h * h * h * h)),
-                    .rest_density = (float)rest_density};
+                    .rest_density = (float)rest_density,
+                    .wall_offset = (float)(0.5 * (double)frame->spacing[0] * frame->unit[0] / h)};
   for (int axis = 0; axis < 3; axis++) sweep.scale[axis] = (float)(frame->unit[axis] / h);
   return sweep;
 }

@@ -23,6 +23,7 @@ typedef struct hc_sweep {
   float kernel;       /* 8/(pi h^3), 1/m3 */
   float gradient;     /* 8/(pi h^4), 1/m4 */
   float rest_density; /* kg/m3 */
+  float wall_offset;  /* of boundary samples behind the wetted surface, in support radii */
   hc_particles *fluid;
   const hc_particles *boundary; /* place.scalar is V_b */
   const hc_neighbors *list;     /* fluid -> fluid */
@@ -68,11 +69,13 @@ typedef struct hc_sweeps {
    * i and j so that it conserves momentum. */
   void (*xsph)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
 
-  /* change_i = weight sum V 2 (v_i - v_j) (x_ij . grad W)/(r^2 + 0.01 h^2), boundary neighbours with V_b and
-   * at rest included: laminar viscosity (Morris et al. 1997) at rest density; weight = nu dt. */
+  /* change_i = weight sum V 2 (v_i - v_j) (x_ij . grad W)/(r^2 + 0.01 (h/2)^2), boundary neighbours with V_b
+   * included: laminar viscosity (Morris et al. 1997) at rest density; weight = nu dt. Behind the wetted
+   * surface the velocity goes on as it falls to zero there: v_i - v_b = v_i (1 + d_b/d_i) with the distances
+   * from the surface along B, at most 2 v_i. */
   void (*laminar)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
 
-  /* change_i = weight sum V min(0, v_ij . x_ij)/(r^2 + 0.01 h^2) grad W, boundary likewise: artificial
+  /* change_i = weight sum V min(0, v_ij . x_ij)/(r^2 + 0.01 (h/2)^2) grad W, boundary likewise: artificial
    * viscosity (Monaghan 1992) at rest density; weight = alpha h c dt. */
   void (*artificial)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
 

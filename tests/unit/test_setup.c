@@ -141,7 +141,7 @@ END_TEST
 /* A scene with everything: two blocks, three kinds of walls, two periodic axes. */
 static hc_block two_blocks[] = {
     {.box = {{0, 0, 0}, {0.2, 0.2, 0.1}}, .velocity = {1, 2, 3}},
-    {.box = {{0, 0, 0.3}, {0.2, 0.2, 0.4}}, .flow = {HC_FLOW_TAYLOR_GREEN, 2.0, 0.2}},
+    {.box = {{0, 0, 0.3}, {0.2, 0.2, 0.4}}, .flow = {HC_FLOW_TAYLOR_GREEN, 2.0, 0.2, 0}},
 };
 static hc_wall three_walls[] = {
     {.type = HC_WALL_PLANE, .name = "floor", .point = {0.1, 0.1, 0}, .normal = {0, 0, 1}, .size = {0.2, 0.2}},
@@ -271,7 +271,7 @@ END_TEST
 
 /* A block across the lower end comes back at the upper one and keeps its velocity field. */
 START_TEST(periodic_axes_wrap) {
-  hc_block block = {.box = {{-0.04, 0, 0}, {0.04, 0.02, 0.02}}, .flow = {HC_FLOW_TAYLOR_GREEN, 1.0, 0.2}};
+  hc_block block = {.box = {{-0.04, 0, 0}, {0.04, 0.02, 0.02}}, .flow = {HC_FLOW_TAYLOR_GREEN, 1.0, 0.2, 0}};
   hc_scene scene = periodic_scene(0.2, 0, 0);
   scene.fluid.blocks = &block;
   scene.fluid.block_count = 1;
@@ -442,7 +442,7 @@ START_TEST(shares_tile_the_range) {
 END_TEST
 
 START_TEST(flow_agrees_with_the_library_everywhere) {
-  const hc_flow flow = {HC_FLOW_TAYLOR_GREEN, 1.5, 0.7};
+  const hc_flow flow = {HC_FLOW_TAYLOR_GREEN, 1.5, 0.7, 0};
   const double k = 2 * acos(-1.0) / 0.7;
   for (int i = -400; i <= 400; i++) {
     const double x[3] = {0.0037 * i, 0.11 - 0.0071 * i, 5};
@@ -451,6 +451,20 @@ START_TEST(flow_agrees_with_the_library_everywhere) {
     ck_assert_double_eq_tol(v[0] - 10, -1.5 * cos(k * x[0]) * sin(k * x[1]), 3e-14);
     ck_assert_double_eq_tol(v[1] - 20, 1.5 * sin(k * x[0]) * cos(k * x[1]), 3e-14);
     ck_assert(v[2] == 30);
+  }
+}
+END_TEST
+
+START_TEST(standing_wave_agrees_with_the_library) {
+  const hc_flow flow = {HC_FLOW_STANDING_WAVE, 0.3, 2.0, 1.25};
+  const double k = acos(-1.0), scale = 0.3 / sinh(k * 1.25);
+  for (int i = -200; i <= 200; i++) {
+    const double x[3] = {0.0137 * i, 5, 0.0063 * (i + 20)};
+    double v[3] = {10, 20, 30};
+    hc_flow_add(&flow, x, v);
+    ck_assert_double_eq_tol(v[0] - 10, scale * cosh(k * x[2]) * sin(k * x[0]), 3e-14);
+    ck_assert(v[1] == 20);
+    ck_assert_double_eq_tol(v[2] - 30, -scale * sinh(k * x[2]) * cos(k * x[0]), 3e-14);
   }
 }
 END_TEST
@@ -507,6 +521,7 @@ int main(void) {
   tcase_add_test(cases, too_many_particles_for_a_rank_are_refused);
   tcase_add_test(cases, shares_tile_the_range);
   tcase_add_test(cases, flow_agrees_with_the_library_everywhere);
+  tcase_add_test(cases, standing_wave_agrees_with_the_library);
   tcase_add_test(cases, rest_lattice_matches_the_methods);
   suite_add_tcase(suite, cases);
   SRunner *const runner = srunner_create(suite);

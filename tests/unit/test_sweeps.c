@@ -215,7 +215,7 @@ static expected expect(const setting *s, int32_t i) {
   double squares = 0;
   for (int32_t j = 0; j < s->fluid.own; j++) {
     const vec x = separation(s, &s->fluid, i, &s->fluid, j), g = gradient(x);
-    const double r = norm(x), soft = r * r + 0.01 * H * H, kj = kappa_of(s->fluid.id[j]);
+    const double r = norm(x), soft = r * r + 0.0025 * H * H, kj = kappa_of(s->fluid.id[j]);
     if (j == i || r >= H) continue;
     vec v = vi;
     add(&v, -1, velocity(s, j));
@@ -232,13 +232,21 @@ static expected expect(const setting *s, int32_t i) {
   }
   for (int32_t b = 0; b < s->boundary.own; b++) {
     const vec x = separation(s, &s->fluid, i, &s->boundary, b), g = gradient(x);
-    const double r = norm(x), soft = r * r + 0.01 * H * H, volume = boundary_volume_of(s->boundary.id[b]);
+    const double r = norm(x), soft = r * r + 0.0025 * H * H, volume = boundary_volume_of(s->boundary.id[b]);
     if (r >= H) continue;
     e.wall_density += volume * kernel(r);
     add_term(&e.wall_gradient, volume, g);
-    add_term(&e.laminar, volume * 2 * dot(x, g) / soft, vi);
     add_term(&e.artificial, volume * fmin(0, dot(vi, x)) / soft, g);
     e.artificial.scale += volume * norm(vi) * r / soft * norm(g);
+  }
+  const double steepness = norm(e.wall_gradient.value), behind = (double)s->sweep.wall_offset * H;
+  for (int32_t b = 0; b < s->boundary.own; b++) {
+    const vec x = separation(s, &s->fluid, i, &s->boundary, b), g = gradient(x);
+    const double r = norm(x), soft = r * r + 0.0025 * H * H, volume = boundary_volume_of(s->boundary.id[b]);
+    if (r >= H) continue;
+    const double distance = steepness > 0 ? fabs(dot(e.wall_gradient.value, x)) / steepness : 0;
+    const double goes_on = 1 + behind / fmax(distance - behind, behind); /* beyond the surface */
+    add_term(&e.laminar, goes_on * volume * 2 * dot(x, g) / soft, vi);
   }
   e.rate.value += dot(vi, e.wall_gradient.value);
   e.rate.scale += norm(vi) * e.wall_gradient.scale;
