@@ -1,6 +1,7 @@
 /* halocline run: a simulation with its files. */
 #include "base/memory.h"
 #include "commands.h"
+#include "explain.h"
 #include "gauges/gauges.h"
 #include "halocline/version.h"
 #include "io/log.h"
@@ -26,13 +27,15 @@ typedef struct run {
   hc_log log;
   hc_tables tables;
   hc_progress progress;
+  hc_explained explained;
   hc_gauges gauges;
   double *gauge_values;
   int snapshots;      /* written so far */
   int64_t gauge_rows; /* likewise */
-  int64_t density_caps, divergence_caps, contacts, rebalances;
-  double particle_steps; /* fluid particles summed over the steps */
-  double started;        /* wall clock, when the steps began */
+  int64_t density_caps, divergence_caps, contacts, rebalances, compressed_steps;
+  double shortest_step, longest_step; /* s */
+  double particle_steps;              /* fluid particles summed over the steps */
+  double started;                     /* wall clock, when the steps began */
 } run;
 
 /* Rank 0 reads the file, every rank the text. */
@@ -153,6 +156,9 @@ static load measure_load(run *run, int64_t bytes_before) {
   return (load){imbalance, largest[1], largest[2], total};
 }
 
+/* Single particles of a healthy run stay within this share of the rest density. */
+static const double MOST_COMPRESSION = 0.05;
+
 /* Counts and logs what went wrong in a step; the event words of its row. */
 static void judge_step(run *run, char *event, size_t size) {
   const hc_simulation *simulation = &run->simulation;
@@ -172,6 +178,13 @@ static void judge_step(run *run, char *event, size_t size) {
     hc_log_warn(&run->log, "step %lld: divergence solver at its cap of %d iterations",
                 (long long)simulation->step, report->divergence_iterations);
   }
+  if (report->density_error_max > MOST_COMPRESSION) {
+    run->compressed_steps++;
+    hc_log_warn(&run->log, "step %lld: a particle's density is off by %.3g %%, more than %g %%",
+                (long long)simulation->step, 100.0 * report->density_error_max, 100.0 * MOST_COMPRESSION);
+  }
+  if (run->shortest_step == 0.0 || simulation->dt < run->shortest_step) run->shortest_step = simulation->dt;
+  if (simulation->dt > run->longest_step) run->longest_step = simulation->dt;
   run->contacts += report->contacts;
   if (simulation->rebalanced) run->rebalances++;
 }
@@ -238,6 +251,7 @@ static hc_status run_steps(run *run, hc_error *error) {
     run->particle_steps += (double)load.fluid;
     char event[64];
     judge_step(run, event, sizeof event);
+    hc_explain_time_step(&run->explained, simulation, &run->log);
     const bool last = hc_simulation_done(simulation) || simulation->step == run->options->steps;
     const bool snapshot = snapshot_due(run, last);
     if (snapshot && write_snapshot(run, error) != HC_OK) return error->status;
@@ -298,6 +312,9 @@ static hc_status summarize(run *run, hc_error *error) {
   for (int k = 0; k <= HC_STAGE_COUNT; k++)
     hc_log_info(&run->log, "time in %-13s %9.3f s (mean of ranks; %.3f to %.3f)", stages[k].name,
                 stages[k].seconds.mean, stages[k].seconds.min, stages[k].seconds.max);
+  hc_log_info(&run->log, "time steps from %.4g to %.4g s; steps with a density off by more than %g %%: %lld",
+              run->shortest_step, run->longest_step, 100.0 * MOST_COMPRESSION,
+              (long long)run->compressed_steps);
   hc_log_info(&run->log, "iteration caps hit: density solver %lld, divergence solver %lld of %lld steps",
               (long long)run->density_caps, (long long)run->divergence_caps, (long long)simulation->step);
   hc_log_info(&run->log, "particles held by wall contacts: %.3g a step on average",

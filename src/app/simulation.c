@@ -106,13 +106,12 @@ static void choose_settings(hc_simulation *simulation) {
   simulation->step_settings = hc_step_settings_of(scene);
 }
 
-/* Evens out a disordered start: steps of the pressure solver alone, which forget all momentum; then every
- * particle gets the velocity of the place it has come to. */
+/* Lets the start come to rest: steps of gravity and pressure that forget all momentum; then every particle
+ * gets the velocity of the place it has come to. The pressure stays. */
 static hc_status settle(hc_simulation *simulation, const hc_setup_plan *plan, hc_error *error) {
   hc_world *world = &simulation->world;
   hc_particles *fluid = &world->fluid;
   hc_solver_settings settings = simulation->solver_settings;
-  memset(settings.gravity, 0, sizeof settings.gravity);
   settings.viscosity = HC_VISCOUS_NONE;
   const double dt = simulation->step_settings.control == HC_STEP_CONSTANT ? simulation->step_settings.size
                                                                           : simulation->step_settings.max;
@@ -124,8 +123,7 @@ static hc_status settle(hc_simulation *simulation, const hc_setup_plan *plan, hc
       return error->status;
   }
   hc_setup_velocities(plan, fluid);
-  memset(fluid->pressure_multiplier, 0, (size_t)fluid->own * sizeof *fluid->pressure_multiplier);
-  memset(fluid->divergence_multiplier, 0, (size_t)fluid->own * sizeof *fluid->divergence_multiplier);
+  simulation->dt = dt;
   return HC_OK;
 }
 
