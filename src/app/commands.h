@@ -17,4 +17,7 @@ hc_scene_limits hc_command_scene_limits(const char **names);
 /* Says "halocline: error: TEXT" on stderr and returns the status as exit code. */
 int hc_command_fail(const hc_error *error);
 
+/* Says "halocline: warning: TEXT" on stderr for each. */
+void hc_command_warn(const hc_warnings *warnings);
+
 #endif

@@ -25,6 +25,10 @@ int hc_command_fail(const hc_error *error) {
   return error->status;
 }
 
+void hc_command_warn(const hc_warnings *warnings) {
+  for (int k = 0; k < warnings->count; k++) fprintf(stderr, "halocline: warning: %s\n", warnings->text[k]);
+}
+
 /* Standard output, written out: a full disk must not look like success. */
 static int finish_output(void) {
   if (fflush(stdout) == 0 && !ferror(stdout)) return HC_OK;
@@ -67,9 +71,12 @@ int hc_command_check(const hc_options *options) {
   hc_scene scene;
   const char *names[HC_FIELD_COUNT];
   const hc_scene_limits limits = hc_command_scene_limits(names);
+  hc_warnings warnings = {0};
   if (hc_scene_read(&scene, options->files[0], options->overrides, options->override_count, &limits,
-                    &error) != HC_OK)
+                    &warnings, &error) != HC_OK)
     return hc_command_fail(&error);
+  hc_command_warn(&warnings);
+  hc_warnings_free(&warnings);
   hc_frame frame;
   hc_setup_plan plan;
   if (hc_setup_frame(&scene, &frame, &error) == HC_OK &&

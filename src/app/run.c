@@ -22,6 +22,7 @@ typedef struct run {
   hc_comm *comm;
   const hc_options *options;
   const hc_scene *scene;
+  const hc_warnings *warnings; /* of the scene */
   hc_simulation simulation;
   char directory[HC_TEXT_PATH];
   hc_log log;
@@ -38,8 +39,9 @@ typedef struct run {
   double started;                     /* wall clock, when the steps began */
 } run;
 
-/* Rank 0 reads the file, every rank the text. */
-static hc_status read_scene(hc_comm *comm, const hc_options *options, hc_scene *scene, hc_error *error) {
+/* Rank 0 reads the file, every rank the text. Rank 0 alone has warnings, and says them. */
+static hc_status read_scene(hc_comm *comm, const hc_options *options, hc_scene *scene, hc_warnings *warnings,
+                            hc_error *error) {
   char *text = NULL;
   size_t length = 0;
   if (comm->rank == 0) hc_scene_load(options->files[0], &text, &length, error);
@@ -50,8 +52,9 @@ static hc_status read_scene(hc_comm *comm, const hc_options *options, hc_scene *
   const char *names[HC_FIELD_COUNT];
   const hc_scene_limits limits = hc_command_scene_limits(names);
   hc_scene_read_text(scene, options->files[0], text, length, options->overrides, options->override_count,
-                     &limits, error);
+                     &limits, comm->rank == 0 ? warnings : NULL, error);
   hc_free(text);
+  hc_command_warn(warnings);
   return hc_comm_agree(comm, error);
 }
 
@@ -126,6 +129,9 @@ static void log_start(run *run) {
   hc_log_info(&run->log, "halocline %s on %d rank%s, first host %s", hc_version(), run->comm->size,
               run->comm->size == 1 ? "" : "s", host);
   hc_log_info(&run->log, "scene %s from %s", run->scene->name, run->options->files[0]);
+  run->log.echo = NULL; /* said already */
+  for (int k = 0; k < run->warnings->count; k++) hc_log_warn(&run->log, "%s", run->warnings->text[k]);
+  run->log.echo = stderr;
   hc_log_info(&run->log, "instruction set of the pair loops: %s%s", hc_isa_name(simulation->isa),
               simulation->isa == HC_ISA_PORTABLE ? " (no fused multiply-add: other bits than avx2 and avx512)"
                                                  : "");
@@ -359,11 +365,13 @@ static void close_files(run *run, hc_error *error) {
 
 static void simulate(hc_comm *comm, const hc_options *options, hc_error *error) {
   hc_scene scene;
-  if (read_scene(comm, options, &scene, error) != HC_OK) return;
+  hc_warnings warnings = {0};
+  if (read_scene(comm, options, &scene, &warnings, error) != HC_OK) return;
   run *run = hc_alloc_zero(1, sizeof *run);
   run->comm = comm;
   run->options = options;
   run->scene = &scene;
+  run->warnings = &warnings;
   const int length = options->output ? snprintf(run->directory, sizeof run->directory, "%s", options->output)
                                      : snprintf(run->directory, sizeof run->directory, "out/%s", scene.name);
   if (length >= (int)sizeof run->directory) {
@@ -380,6 +388,7 @@ static void simulate(hc_comm *comm, const hc_options *options, hc_error *error) 
     hc_simulation_free(&run->simulation);
   }
   hc_free(run);
+  hc_warnings_free(&warnings);
   hc_scene_free(&scene);
 }
 

@@ -89,25 +89,48 @@ static void show_line(hc_place place, char *text, size_t size) {
   snprintf(text, size, "\n%s\n%s^", shown, caret);
 }
 
-void hc_complaints_text(hc_complaints *complaints, char *text, size_t size) {
+enum { ENTRY = 4096 };
+
+/* One complaint with its place and, in a file, the line. */
+static void write_entry(const hc_complaint *complaint, char entry[static ENTRY]) {
+  const hc_place place = complaint->place;
+  char line[5 * SHOWN + 8] = "";
+  if (place.source->override || place.line == 0) {
+    snprintf(entry, ENTRY, "%.1000s: %s", place.source->name, complaint->text);
+    return;
+  }
+  show_line(place, line, sizeof line);
+  snprintf(entry, ENTRY, "%.1000s:%d:%d: %s%s", place.source->name, place.line, place.column, complaint->text,
+           line);
+}
+
+/* Returns how many are kept. */
+static int sort(hc_complaints *complaints) {
   const int kept = complaints->total < HC_COMPLAINTS_MOST ? complaints->total : HC_COMPLAINTS_MOST;
   qsort(complaints->kept, (size_t)kept, sizeof complaints->kept[0], compare);
+  return kept;
+}
+
+void hc_complaints_warn(hc_complaints *complaints, hc_warnings *warnings) {
+  const int kept = sort(complaints);
+  for (int k = 0; k < kept; k++) {
+    char entry[ENTRY];
+    write_entry(&complaints->kept[k], entry);
+    hc_warnings_add(warnings, "%s", entry);
+  }
+  if (kept < complaints->total)
+    hc_warnings_add(warnings, "and %d more warnings of this scene", complaints->total - kept);
+}
+
+void hc_complaints_text(hc_complaints *complaints, char *text, size_t size) {
+  const int kept = sort(complaints);
   static const char more[] = "\nand more";
-  enum { ENTRY = 4096 };
   size_t used = 0;
   int written = 0;
   text[0] = '\0';
   for (; written < kept; written++) {
-    const hc_complaint *complaint = &complaints->kept[written];
-    const hc_place place = complaint->place;
-    char entry[ENTRY], line[5 * SHOWN + 8] = "";
-    if (place.source->override || place.line == 0) {
-      snprintf(entry, sizeof entry, "%.1000s: %s", place.source->name, complaint->text);
-    } else {
-      show_line(place, line, sizeof line);
-      snprintf(entry, sizeof entry, "%.1000s:%d:%d: %s%s", place.source->name, place.line, place.column,
-               complaint->text, line);
-    }
+    char entry[ENTRY];
+    write_entry(&complaints->kept[written], entry);
     const size_t length = strlen(entry) + (used > 0);
     if (used + length + sizeof more > size) break;
     used += (size_t)snprintf(text + used, size - used, "%s%s", used ? "\n" : "", entry);

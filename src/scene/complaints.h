@@ -1,6 +1,8 @@
-/* Everything wrong with one input, collected so that the user hears it in one go. */
+/* Everything wrong with one input, or doubtful in it, collected so that the user hears it in one go. */
 #ifndef HC_COMPLAINTS_H
 #define HC_COMPLAINTS_H
+
+#include "base/warnings.h"
 
 #include <stddef.h>
 
@@ -36,6 +38,9 @@ void hc_complaints_add(hc_complaints *complaints, hc_place place, const char *fo
 
 /* Sorts by place and writes all that fits, then whether there are more. */
 void hc_complaints_text(hc_complaints *complaints, char *text, size_t size);
+
+/* Sorts by place and adds each to `warnings` (which may be null). */
+void hc_complaints_warn(hc_complaints *complaints, hc_warnings *warnings);
 
 /* Bytes of the UTF-8 character at the start of `text`; 0 if it is none, -1 if it is a control character
  * (which must not reach a terminal) other than tab and line breaks. */

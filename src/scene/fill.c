@@ -7,9 +7,11 @@
 #include <string.h>
 
 /* Defaults are YAML text and go the way of all values: a row that contradicts itself aborts. */
-static void fill_default(const hc_param *param, void *owner, hc_complaints *complaints) {
+void hc_fill_default(const hc_param *param, void *owner) {
+  memset((char *)owner + param->offset, 0, param->size);
+  if (!param->fallback) return;
   const hc_source source = {.name = param->path, .text = param->fallback, .length = strlen(param->fallback)};
-  const int before = complaints->total;
+  hc_complaints *complaints = hc_alloc_zero(1, sizeof *complaints);
   hc_yaml *yaml = hc_yaml_parse(&source, complaints);
   HC_CHECK(yaml && yaml->root, "the default of %s is not YAML: %s", param->path, param->fallback);
   const hc_conversion conversion = {.param = param,
@@ -19,9 +21,10 @@ static void fill_default(const hc_param *param, void *owner, hc_complaints *comp
                                     .owner = owner,
                                     .complaints = complaints};
   const bool good = param->kind == HC_PARAM_LIST ? yaml->root->count == 0 : hc_convert(&conversion);
-  HC_CHECK(good && complaints->total == before, "the default of %s is not valid: %s", param->path,
+  HC_CHECK(good && complaints->total == 0, "the default of %s is not valid: %s", param->path,
            param->fallback);
   hc_yaml_free(yaml);
+  hc_free(complaints);
 }
 
 static void fill_list(hc_given_value *value, const hc_param *param, void *owner,
@@ -117,8 +120,8 @@ void hc_fill(hc_given *given, void *owner, const hc_scene_limits *limits, hc_com
     } else if (applies && !value->bad && hc_params_required(param)) {
       value->bad = true;
       hc_complaints_add(complaints, given->place, "missing required key '%s%s'", given->prefix, param->path);
-    } else if (applies && param->fallback) {
-      fill_default(param, owner, complaints);
+    } else if (applies) {
+      hc_fill_default(param, owner);
     }
   }
 }

@@ -9,4 +9,7 @@
  * values in `given`. Complains of all that is wrong. */
 void hc_fill(hc_given *given, void *owner, const hc_scene_limits *limits, hc_complaints *complaints);
 
+/* Sets a member to its default, or to zero if it has none (lists: no items, nothing is freed). */
+void hc_fill_default(const hc_param *param, void *owner);
+
 #endif

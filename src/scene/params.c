@@ -48,6 +48,8 @@ static const char *const wall_types[] = {[HC_WALL_BOX] = "box", [HC_WALL_PLANE] 
   { low, high, false }
 #define ABOVE_WITHIN(low, high)                                                                              \
   { low, high, true }
+#define WITH(chooser_, value) .chooser = chooser_, .chosen = 1u << (value)
+#define UNLESS(chooser_, value) .chooser = chooser_, .chosen = ~(1u << (value))
 #define HC_PARAM(path_, kind_, member_, unit_, fallback_, range_, sentence_, ...)                            \
   {.path = path_,                                                                                            \
    .kind = HC_PARAM_##kind_,                                                                                 \
@@ -134,6 +136,43 @@ bool hc_params_is_map(const hc_param_table *table, const char *path) {
   return false;
 }
 
+static int chooser_value(const hc_param *chooser, const void *owner) {
+  const void *member = (const char *)owner + chooser->offset;
+  if (chooser->kind == HC_PARAM_CHOICE) return *(const int *)member;
+  HC_CHECK(chooser->kind == HC_PARAM_BOOL, "key '%s' of kind %d chooses nothing", chooser->path,
+           chooser->kind);
+  for (int k = 0; k < hc_params_length(chooser); k++)
+    if (((const bool *)member)[k]) return true;
+  return false;
+}
+
+static const hc_param *chooser_of(const hc_param_table *table, const hc_param *param) {
+  const hc_param *chooser = hc_params_find(table, param->chooser);
+  HC_CHECK(chooser, "'%s', which decides on '%s', is not in the parameter table", param->chooser,
+           param->path);
+  return chooser;
+}
+
+bool hc_params_used(const hc_param_table *table, const hc_param *param, const void *owner) {
+  return !param->chooser || param->chosen >> chooser_value(chooser_of(table, param), owner) & 1;
+}
+
+const char *hc_params_choice_name(const hc_choice *choices, int value) {
+  while (choices->name && choices->value != value) choices++;
+  HC_CHECK(choices->name, "no choice has the value %d", value);
+  return choices->name;
+}
+
+void hc_params_chooser_text(const hc_param_table *table, const hc_param *param, const void *owner, char *text,
+                            size_t size) {
+  const hc_param *chooser = chooser_of(table, param);
+  const int value = chooser_value(chooser, owner);
+  snprintf(text, size, "%s is %s", chooser->path,
+           chooser->choices ? hc_params_choice_name(chooser->choices, value)
+           : value          ? "true"
+                            : "false");
+}
+
 void hc_params_number_text(double value, char text[static HC_PARAM_NUMBER_TEXT]) {
   /* The "C" locale is a constant of the C library: making it neither fails nor costs. */
   const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
@@ -212,12 +251,16 @@ static row make_row(const hc_param *param, const char *prefix) {
   return made;
 }
 
-/* Calls for every visible row of the table and of the tables of its lists: once to measure, once to print. */
-static void visit(const hc_param_table *table, const char *prefix, const char *solver, int width[COLUMNS],
+static const char solver_key[] = "solver.method";
+
+/* Calls for every visible row of the table and of the tables of its lists: once to measure, once to print.
+ * `solvers` has a bit for each method of interest. */
+static void visit(const hc_param_table *table, const char *prefix, unsigned solvers, int width[COLUMNS],
                   FILE *out) {
   for (int k = 0; k < table->count; k++) {
     const hc_param *param = &table->params[k];
-    if (param->hidden || (solver && param->solver && strcmp(solver, param->solver) != 0)) continue;
+    const bool of_solver = param->chooser && strcmp(param->chooser, solver_key) == 0;
+    if (param->hidden || (of_solver && !(param->chosen & solvers))) continue;
     const row made = make_row(param, prefix);
     for (int c = 0; c < COLUMNS; c++) {
       const int length = (int)strlen(made.text[c]);
@@ -228,18 +271,18 @@ static void visit(const hc_param_table *table, const char *prefix, const char *s
     if (param->kind == HC_PARAM_LIST) {
       char inner[COLUMN_TEXT];
       snprintf(inner, sizeof inner, "%s%s[].", prefix, param->path);
-      visit(param->items, inner, solver, width, out);
+      visit(param->items, inner, solvers, width, out);
     }
   }
 }
 
 hc_status hc_params_print(FILE *out, const char *solver, hc_error *error) {
-  const hc_param *method = hc_params_find(&hc_params_scene, "solver.method");
-  HC_CHECK(method && method->choices, "the parameter table has no solver.method");
-  bool known = !solver;
+  const hc_param *method = hc_params_find(&hc_params_scene, solver_key);
+  HC_CHECK(method && method->choices, "the parameter table has no %s", solver_key);
+  unsigned solvers = solver ? 0 : ~0u;
   for (const hc_choice *choice = method->choices; choice->name; choice++)
-    if (solver && strcmp(solver, choice->name) == 0) known = true;
-  if (!known) {
+    if (solver && strcmp(solver, choice->name) == 0) solvers = 1u << choice->value;
+  if (!solvers) {
     char names[COLUMN_TEXT];
     hc_params_choices_text(method->choices, names, sizeof names);
     return hc_error_set(error, HC_BAD_INPUT, "unknown solver '%s'; known: %s", solver, names);
@@ -247,9 +290,9 @@ hc_status hc_params_print(FILE *out, const char *solver, hc_error *error) {
   static const row head = {{"key", "type", "unit", "default", "range"}, "meaning"};
   int width[COLUMNS];
   for (int c = 0; c < COLUMNS; c++) width[c] = (int)strlen(head.text[c]);
-  visit(&hc_params_scene, "", solver, width, NULL);
+  visit(&hc_params_scene, "", solvers, width, NULL);
   for (int c = 0; c < COLUMNS; c++) fprintf(out, "%-*s  ", width[c], head.text[c]);
   fprintf(out, "%s\n", head.sentence);
-  visit(&hc_params_scene, "", solver, width, out);
+  visit(&hc_params_scene, "", solvers, width, out);
   return HC_OK;
 }

@@ -50,7 +50,8 @@ typedef struct hc_param {
   const char *zero_word;    /* NUMBER: the word that stands for zero */
   const hc_param_table *items;
   size_t count_offset; /* NAMES, LIST: of the int that counts */
-  const char *solver;  /* the solver method whose key it is; null: of all */
+  const char *chooser; /* path of the CHOICE or BOOL that decides whether this key is used; null: always */
+  unsigned chosen;     /* bits 1 << value of the chooser with which it is; a BOOL is 1 if any component is */
   int variant;         /* 1 + index of the only variant of the table that has this key; 0: all have it */
   unsigned types;      /* bits 1 << type: the items' types that have this key; 0: all */
   unsigned needed;     /* of these, the types that must be given it */
@@ -86,6 +87,16 @@ bool hc_params_is_map(const hc_param_table *table, const char *path);
 
 /* The constraint of a row's range, such as "> 0" or "in [0, 1]"; empty if there is none. */
 void hc_params_range_text(const hc_param *param, char *text, size_t size);
+
+/* True if the modes chosen in `owner` (a filled struct of the table) make use of a key of it. */
+bool hc_params_used(const hc_param_table *table, const hc_param *param, const void *owner);
+
+/* What such a key hangs on, for messages: "time_step.control is cfl". */
+void hc_params_chooser_text(const hc_param_table *table, const hc_param *param, const void *owner, char *text,
+                            size_t size);
+
+/* The name of a value in a null-ended list of choices, which must have it. */
+const char *hc_params_choice_name(const hc_choice *choices, int value);
 
 /* The names of a null-ended list of choices: "a, b, c". */
 void hc_params_choices_text(const hc_choice *choices, char *text, size_t size);

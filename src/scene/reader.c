@@ -94,7 +94,7 @@ static void free_override(override *o) {
 /* Scene, from a parsed file and the overrides. The complaints refer to `applied`. */
 static void read_tree(hc_scene *scene, const hc_yaml *yaml, const hc_source *source,
                       const char *const *overrides, int override_count, override *applied,
-                      const hc_scene_limits *limits, hc_complaints *complaints) {
+                      const hc_scene_limits *limits, hc_complaints *complaints, hc_complaints *warnings) {
   const hc_yaml_node *root = yaml->root;
   if (!root || root->kind != HC_YAML_MAP || root->count == 0) {
     char seen[HC_YAML_SEEN] = "nothing";
@@ -110,12 +110,13 @@ static void read_tree(hc_scene *scene, const hc_yaml *yaml, const hc_source *sou
     apply_override(&applied[k], overrides[k], k + 1, &given, complaints);
   hc_fill(&given, scene, limits, complaints);
   hc_rules_apply(scene, &given, source->name, complaints);
+  if (complaints->total == 0) hc_rules_drop_unused(scene, &given, warnings);
   hc_given_free(&given);
 }
 
 hc_status hc_scene_read_text(hc_scene *scene, const char *name, const char *text, size_t length,
                              const char *const *overrides, int override_count, const hc_scene_limits *limits,
-                             hc_error *error) {
+                             hc_warnings *warnings, hc_error *error) {
   memset(scene, 0, sizeof *scene);
   /* A byte order mark is no part of the first line. */
   if (length >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) {
@@ -123,10 +124,11 @@ hc_status hc_scene_read_text(hc_scene *scene, const char *name, const char *text
     length -= 3;
   }
   const hc_source source = {name, text, length, 0};
-  hc_complaints *complaints = hc_alloc_zero(1, sizeof *complaints);
+  hc_complaints *complaints = hc_alloc_zero(1, sizeof *complaints),
+                *doubts = hc_alloc_zero(1, sizeof *doubts);
   hc_yaml *yaml = hc_yaml_parse(&source, complaints);
   override *applied = hc_alloc_zero((size_t)override_count, sizeof *applied);
-  if (yaml) read_tree(scene, yaml, &source, overrides, override_count, applied, limits, complaints);
+  if (yaml) read_tree(scene, yaml, &source, overrides, override_count, applied, limits, complaints, doubts);
   hc_yaml_free(yaml);
   hc_status status = HC_OK;
   if (complaints->total > 0) {
@@ -136,7 +138,10 @@ hc_status hc_scene_read_text(hc_scene *scene, const char *name, const char *text
       error->status = status;
       hc_complaints_text(complaints, error->text, sizeof error->text);
     }
+  } else {
+    hc_complaints_warn(doubts, warnings);
   }
+  hc_free(doubts);
   hc_free(complaints);
   for (int k = 0; k < override_count; k++) free_override(&applied[k]);
   hc_free(applied);
@@ -144,13 +149,13 @@ hc_status hc_scene_read_text(hc_scene *scene, const char *name, const char *text
 }
 
 hc_status hc_scene_read(hc_scene *scene, const char *path, const char *const *overrides, int override_count,
-                        const hc_scene_limits *limits, hc_error *error) {
+                        const hc_scene_limits *limits, hc_warnings *warnings, hc_error *error) {
   memset(scene, 0, sizeof *scene);
   char *text = NULL;
   size_t length = 0;
   hc_status status = hc_scene_load(path, &text, &length, error);
   if (status != HC_OK) return status;
-  status = hc_scene_read_text(scene, path, text, length, overrides, override_count, limits, error);
+  status = hc_scene_read_text(scene, path, text, length, overrides, override_count, limits, warnings, error);
   hc_free(text);
   return status;
 }

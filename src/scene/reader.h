@@ -8,6 +8,7 @@
 
 #include "scene.h"
 
+#include "base/warnings.h"
 #include "halocline/error.h"
 
 #include <stddef.h>
@@ -25,13 +26,14 @@ hc_status hc_scene_load(const char *path, char **text, size_t *length, hc_error 
 /* Reads a scene from the `length` bytes of `text`; `name` stands for the file in messages and gives the
  * default scene name. `overrides` are "path.to.key=value", the value in YAML, applied over the text in their
  * order. `limits` may be null: any names are taken. On HC_OK `scene` is complete and checked, to be freed
- * with hc_scene_free; otherwise it is empty and `error` tells all that is wrong (HC_BAD_INPUT). */
+ * with hc_scene_free, and what is valid but doubtful was added to `warnings` (which may be null); otherwise
+ * it is empty and `error` tells all that is wrong (HC_BAD_INPUT). */
 hc_status hc_scene_read_text(hc_scene *scene, const char *name, const char *text, size_t length,
                              const char *const *overrides, int override_count, const hc_scene_limits *limits,
-                             hc_error *error);
+                             hc_warnings *warnings, hc_error *error);
 
 /* hc_scene_load and hc_scene_read_text in one. */
 hc_status hc_scene_read(hc_scene *scene, const char *path, const char *const *overrides, int override_count,
-                        const hc_scene_limits *limits, hc_error *error);
+                        const hc_scene_limits *limits, hc_warnings *warnings, hc_error *error);
 
 #endif

@@ -1,5 +1,7 @@
 #include "rules.h"
 
+#include "fill.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -187,4 +189,26 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
   const hc_given_value *gauges = hc_given_value_of(given, "output.gauges");
   for (int k = 0; k < gauges->item_count; k++)
     if (!gauges->items[k].bad) check_gauge(scene, k, &gauges->items[k], complaints);
+}
+
+static void drop_unused(const hc_given *given, void *owner, hc_complaints *warnings) {
+  for (int k = 0; k < given->table->count; k++) {
+    const hc_param *param = &given->table->params[k];
+    const hc_given_value *value = &given->values[k];
+    if (param->kind == HC_PARAM_LIST) {
+      char *items = *(char **)((char *)owner + param->offset);
+      for (int item = 0; item < value->item_count; item++)
+        drop_unused(&value->items[item], items + (size_t)item * param->items->size, warnings);
+    } else if (value->node && !hc_params_used(given->table, param, owner)) {
+      char reason[2 * HC_PARAM_PATH];
+      hc_params_chooser_text(given->table, param, owner, reason, sizeof reason);
+      hc_complaints_add(warnings, value->place, "%s%s is not used: %s%s", given->prefix, param->path,
+                        given->prefix, reason);
+      hc_fill_default(param, owner);
+    }
+  }
+}
+
+void hc_rules_drop_unused(hc_scene *scene, const hc_given *given, hc_complaints *warnings) {
+  drop_unused(given, scene, warnings);
 }

@@ -9,4 +9,8 @@
  * name. */
 void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_name, hc_complaints *complaints);
 
+/* Warns of keys that were given but that the modes chosen do not use, and sets them to their defaults. For a
+ * scene without complaints. */
+void hc_rules_drop_unused(hc_scene *scene, const hc_given *given, hc_complaints *warnings);
+
 #endif

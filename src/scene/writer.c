@@ -26,11 +26,6 @@ static void write_number(FILE *out, const hc_param *param, double value) {
   fputs(param->zero_word && value == 0.0 ? param->zero_word : text, out);
 }
 
-static void write_choice(FILE *out, const hc_param *param, int value) {
-  for (const hc_choice *choice = param->choices; choice->name; choice++)
-    if (choice->value == value) fputs(choice->name, out);
-}
-
 static void write_flags(FILE *out, const hc_param *param, unsigned bits) {
   const char *separator = "";
   fputc('[', out);
@@ -75,7 +70,7 @@ static void write_value(FILE *out, const hc_param *param, const void *owner) {
       write_text(out, member);
       break;
     case HC_PARAM_CHOICE:
-      write_choice(out, param, *(const int *)member);
+      fputs(hc_params_choice_name(param->choices, *(const int *)member), out);
       break;
     case HC_PARAM_FLAGS:
       write_flags(out, param, *(const unsigned *)member);
@@ -90,10 +85,11 @@ static void write_value(FILE *out, const hc_param *param, const void *owner) {
   if (length > 1) fputc(']', out);
 }
 
-/* Zero stands for "not given" where it is outside the range and there is no default; hidden keys are written
- * only if they are used. */
-static bool is_written(const hc_param *param, const void *owner) {
+/* Keys that the scene's modes make use of. Zero stands for "not given" where it is outside the range and
+ * there is no default; hidden keys are written only if they are given. */
+static bool is_written(const hc_param_table *table, const hc_param *param, const void *owner) {
   const void *member = (const char *)owner + param->offset;
+  if (!hc_params_used(table, param, owner)) return false;
   if (param->hidden) return *(const int *)member != 0;
   if (param->kind == HC_PARAM_TEXT) return *(const char *)member != '\0';
   if (param->kind == HC_PARAM_NUMBER && !param->fallback && hc_params_length(param) == 1)
@@ -126,7 +122,7 @@ static void write_table(FILE *out, const hc_param_table *table, const void *owne
   const char *before = "";
   for (int k = 0; k < table->count; k++) {
     const hc_param *param = &table->params[k];
-    if ((param->variant && param->variant != 1 + variant) || !is_written(param, owner)) continue;
+    if ((param->variant && param->variant != 1 + variant) || !is_written(table, param, owner)) continue;
     if (param->types && !(param->types >> *(const int *)((const char *)owner + table->type_offset) & 1))
       continue;
     const int inner = write_maps(out, param->path, before, indent, &dash);

@@ -21,7 +21,7 @@ static const hc_scene_limits limits = {fields, 4};
 /* Reads `text` with up to one override (may be null). */
 static hc_status read_with(hc_scene *scene, const char *text, const char *override, hc_error *error) {
   return hc_scene_read_text(scene, "folder/t.yaml", text, strlen(text), &override, override ? 1 : 0, &limits,
-                            error);
+                            NULL, error);
 }
 
 static hc_scene read_good(const char *text, const char *override) {
@@ -353,15 +353,15 @@ START_TEST(test_not_yaml) {
   static const char zero[] = "name: a\0b\n";
   hc_scene scene;
   hc_error error;
-  ck_assert_int_eq(hc_scene_read_text(&scene, "z", zero, sizeof zero - 1, NULL, 0, NULL, &error),
+  ck_assert_int_eq(hc_scene_read_text(&scene, "z", zero, sizeof zero - 1, NULL, 0, NULL, NULL, &error),
                    HC_BAD_INPUT);
   ck_assert_str_eq(error.text, "z:1:8: not text: byte 0x00 is a control character\nname: a?b\n       ^");
 }
 END_TEST
 
 START_TEST(test_overrides) {
-  hc_scene scene = read_good(full, "time_step.max=0.002");
-  ck_assert_double_eq(scene.time_step.max, 0.002);
+  hc_scene scene = read_good(full, "time_step.size=0.002");
+  ck_assert_double_eq(scene.time_step.size, 0.002);
   hc_scene_free(&scene);
   scene = read_good(full, "gravity=[0,0,-1]");
   ck_assert_double_eq(scene.gravity[2], -1.0);
@@ -378,7 +378,8 @@ START_TEST(test_overrides) {
   static const char bad[] = "particle_spacing: x\nend_time: 2\n";
   static const char *const two[] = {"particle_spacing=1", "particle_spacing=0.5"};
   hc_error error;
-  ck_assert_int_eq(hc_scene_read_text(&scene, "t", bad, sizeof bad - 1, two, 2, &limits, &error), HC_OK);
+  ck_assert_int_eq(hc_scene_read_text(&scene, "t", bad, sizeof bad - 1, two, 2, &limits, NULL, &error),
+                   HC_OK);
   ck_assert_double_eq(scene.particle_spacing, 0.5);
   hc_scene_free(&scene);
 }
@@ -402,6 +403,55 @@ START_TEST(test_bad_overrides) {
 }
 END_TEST
 
+/* One warning of a line below the smallest scene, which begins with the column; null: none. */
+static void warn_line(const char *line, const char *override, const char *message) {
+  char text[1024], expected[2048] = "";
+  snprintf(text, sizeof text, SMALLEST "%s\n", line);
+  if (message && override)
+    snprintf(expected, sizeof expected, "--set %s: %s", override, message);
+  else if (message)
+    snprintf(expected, sizeof expected, "folder/t.yaml:3:%s\n%s\n%*s", message, line, atoi(message), "^");
+  hc_scene scene;
+  hc_warnings warnings = {0};
+  hc_error error = {.text = ""};
+  ck_assert_msg(hc_scene_read_text(&scene, "folder/t.yaml", text, strlen(text), &override, override ? 1 : 0,
+                                   &limits, &warnings, &error) == HC_OK,
+                "%s", error.text);
+  ck_assert_int_eq(warnings.count, message ? 1 : 0);
+  if (message) ck_assert_str_eq(warnings.text[0], expected);
+  hc_warnings_free(&warnings);
+  hc_scene_free(&scene);
+}
+
+START_TEST(test_unused_keys) {
+  static const pair cases[] = {
+      {"time_step: {size: 0.1}", "19: time_step.size is not used: time_step.control is cfl"},
+      {"time_step: {control: constant, size: 0.1, max: 0.004}",
+       "48: time_step.max is not used: time_step.control is constant"},
+      {"fluid: {viscosity: {model: none, coefficient: 1}}",
+       "47: fluid.viscosity.coefficient is not used: fluid.viscosity.model is none"},
+      {"fluid: {viscosity: {model: laminar, sound_speed: 1}}",
+       "50: fluid.viscosity.sound_speed is not used: fluid.viscosity.model is laminar"},
+      {"fluid: {blocks: [{box: {min: [0,0,0], max: [1,1,1]}, flow: {speed: 1}}]}",
+       "68: fluid.blocks[0].flow.speed is not used: fluid.blocks[0].flow.type is none"},
+      {"domain: {max: [1, 1, 1]}", "15: domain.max is not used: domain.periodic is false"},
+      {"parallel: {rebalance: none, rebalance_above: 2}",
+       "46: parallel.rebalance_above is not used: parallel.rebalance is none"},
+      {"time_step: {control: constant, size: 0.1}", NULL},
+      {"fluid: {viscosity: {model: artificial, sound_speed: 1}}", NULL},
+      {"domain: {periodic: [false, true, false], min: [0, 0, 0], max: [1, 1, 1]}", NULL},
+      {"solver: {warm_start: 0}", NULL},
+  };
+  for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
+    warn_line(cases[k].given, NULL, cases[k].message);
+  warn_line("gravity: [0, 0, -1]", "time_step.size=1",
+            "time_step.size is not used: time_step.control is cfl");
+  hc_scene scene = read_good(SMALLEST "time_step: {size: 0.1}\n", NULL);
+  ck_assert_double_eq(scene.time_step.size, 0.0);
+  hc_scene_free(&scene);
+}
+END_TEST
+
 static void make_folder(char folder[static 32]) {
   strcpy(folder, "/tmp/test_scene_XXXXXX");
   ck_assert_ptr_nonnull(mkdtemp(folder));
@@ -413,7 +463,7 @@ static void check_file(const char *path, const char *text, const char *message) 
   ck_assert(!text || (file && fputs(text, file) >= 0 && fclose(file) == 0));
   hc_scene scene;
   hc_error error = {.text = ""};
-  const hc_status status = hc_scene_read(&scene, path, NULL, 0, NULL, &error);
+  const hc_status status = hc_scene_read(&scene, path, NULL, 0, NULL, NULL, &error);
   ck_assert_int_eq(status, message ? HC_BAD_INPUT : HC_OK);
   char expected[256] = "";
   if (message) snprintf(expected, sizeof expected, "%s: %s", path, message);
@@ -442,7 +492,9 @@ static void check_round_trip(const char *text, const char *override) {
   hc_scene scene = read_good(text, override), again;
   hc_error error = {.text = ""};
   ck_assert_msg(hc_scene_write(&scene, path, &error) == HC_OK, "%s", error.text);
-  ck_assert_msg(hc_scene_read(&again, path, NULL, 0, &limits, &error) == HC_OK, "%s", error.text);
+  hc_warnings warnings = {0};
+  ck_assert_msg(hc_scene_read(&again, path, NULL, 0, &limits, &warnings, &error) == HC_OK, "%s", error.text);
+  ck_assert_int_eq(warnings.count, 0);
   expect_same(&scene, &again);
   hc_scene_free(&again);
   hc_scene_free(&scene);
@@ -519,8 +571,11 @@ START_TEST(test_own_scenes) {
   if (glob(HC_SOURCE_DIR "/scenes/*.yaml", 0, NULL, &found) != 0) return;
   for (size_t k = 0; k < found.gl_pathc; k++) {
     hc_scene scene;
+    hc_warnings warnings = {0};
     hc_error error = {.text = ""};
-    ck_assert_msg(hc_scene_read(&scene, found.gl_pathv[k], NULL, 0, NULL, &error) == HC_OK, "%s", error.text);
+    ck_assert_msg(hc_scene_read(&scene, found.gl_pathv[k], NULL, 0, NULL, &warnings, &error) == HC_OK, "%s",
+                  error.text);
+    ck_assert_msg(warnings.count == 0, "%s", warnings.text[0]);
     hc_scene_free(&scene);
   }
   globfree(&found);
@@ -528,11 +583,10 @@ START_TEST(test_own_scenes) {
 END_TEST
 
 int main(void) {
-  const TTest *const tests[] = {test_defaults,         test_values,         test_errors_in_a_line,
-                                test_errors_elsewhere, test_many_errors,    test_not_yaml,
-                                test_overrides,        test_bad_overrides,  test_files,
-                                test_round_trip,       test_write_failures, test_keys,
-                                test_gauges,           test_own_scenes};
+  const TTest *const tests[] = {test_defaults,    test_values,   test_errors_in_a_line, test_errors_elsewhere,
+                                test_many_errors, test_not_yaml, test_overrides,        test_bad_overrides,
+                                test_unused_keys, test_files,    test_round_trip,       test_write_failures,
+                                test_keys,        test_gauges,   test_own_scenes};
   Suite *suite = suite_create("scene");
   TCase *all = tcase_create("all");
   for (size_t k = 0; k < sizeof tests / sizeof tests[0]; k++) tcase_add_test(all, tests[k]);
