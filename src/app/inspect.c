@@ -36,13 +36,8 @@ static int finish_output(void) {
   return HC_IO_FAILED;
 }
 
-/* Bytes a particle costs while the program runs, measured on developed flows (README, "Memory"). */
-enum { FLUID_BYTES = 330, BOUNDARY_BYTES = 70, PROGRAM_BYTES = 40 << 20 };
-
 static void report_check(const hc_scene *scene, const hc_setup_plan *plan, int64_t ranks) {
-  const double share = 1.0 / (double)ranks;
-  const double bytes = PROGRAM_BYTES + share * (FLUID_BYTES * (double)plan->fluid_count +
-                                                BOUNDARY_BYTES * (double)plan->boundary_count);
+  const double bytes = hc_simulation_memory(plan, ranks);
   double v_max = 0.0, gravity = 0.0;
   for (int block = 0; block < scene->fluid.block_count; block++) {
     const hc_block *b = &scene->fluid.blocks[block];

@@ -9,14 +9,15 @@
 #include <string.h>
 
 static const hc_command commands[] = {
-    {"run", "SCENE.yaml", "Simulates a scene; under mpirun on all ranks together.", "osnfq", 1,
+    {"run", "SCENE.yaml", "Simulates a scene; under mpirun on all ranks together.", "osnfq", 1, true,
      hc_command_run},
     {"check", "SCENE.yaml", "Reads and validates a scene, counts its particles, runs nothing.", "sr", 1,
-     hc_command_check},
-    {"info", "FILE", "Tells what a snapshot holds.", "", 1, hc_command_info},
+     false, hc_command_check},
+    {"info", "FILE", "Tells what a snapshot holds.", "", 1, false, hc_command_info},
     {"diff", "A B", "Compares two snapshots particle by particle: 0 same, 1 different, 2 cannot compare.",
-     "tj", 2, hc_command_diff},
-    {"keys", "", "Lists every scene key: type, unit, default, range, one sentence.", "m", 0, hc_command_keys},
+     "tj", 2, false, hc_command_diff},
+    {"keys", "", "Lists every scene key: type, unit, default, range, one sentence.", "m", 0, false,
+     hc_command_keys},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 
@@ -46,9 +47,10 @@ int main(int argc, char **argv) {
     if (strcmp(name, commands[k].name) != 0) continue;
     hc_options options;
     const int code = hc_options_parse(&commands[k], argc - 1, argv + 1, loud, &options);
-    return code >= 0 ? code : commands[k].run(&options);
+    if (code >= 0) return code;
+    return loud || commands[k].parallel ? commands[k].run(&options) : HC_OK;
   }
   if (loud && argc > 1) fprintf(stderr, "halocline: error: there is no command '%s'\n", name);
   if (loud) usage(stderr);
-  return HC_BAD_INPUT;
+  return loud ? HC_BAD_INPUT : HC_OK; /* see hc_options_parse */
 }

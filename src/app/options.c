@@ -2,10 +2,12 @@
 
 #include <argp.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const struct argp_option all_options[] = {
     {"output", 'o', "DIR", 0, "where the run's files go (default: out/NAME)", 0},
@@ -95,6 +97,22 @@ static error_t take(int key, char *text, struct argp_state *state) {
   return 0;
 }
 
+/* Leads a stream to nowhere; returns a copy of it, for `restore`. */
+static int silence(int stream) {
+  const int copy = dup(stream), nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere >= 0) {
+    dup2(nowhere, stream);
+    close(nowhere);
+  }
+  return copy;
+}
+
+static void restore(int stream, int copy) {
+  if (copy < 0) return;
+  dup2(copy, stream);
+  close(copy);
+}
+
 int hc_options_parse(const hc_command *command, int argc, char **argv, bool loud, hc_options *options) {
   *options = (hc_options){.steps = -1, .ranks = 1};
   struct argp_option own[OPTION_COUNT + 1];
@@ -108,10 +126,15 @@ int hc_options_parse(const hc_command *command, int argc, char **argv, bool loud
   char name[64];
   snprintf(name, sizeof name, "halocline %s", command->name);
   argv[0] = name;
-  argp_err_exit_status = 2;
-  if (!loud) {
-    /* another rank says it */
-    if (!freopen("/dev/null", "w", stderr) || !freopen("/dev/null", "w", stdout)) return 2;
+  if (loud) {
+    argp_err_exit_status = 2;
+    return argp_parse(&argp, argc, argv, 0, NULL, &parsing) == 0 ? -1
+                                                                 : 2; /* exits by itself after messages */
   }
-  return argp_parse(&argp, argc, argv, 0, NULL, &parsing) == 0 ? -1 : 2; /* exits by itself after messages */
+  argp_err_exit_status = 0;
+  const int out = silence(STDOUT_FILENO), err = silence(STDERR_FILENO);
+  const bool good = argp_parse(&argp, argc, argv, 0, NULL, &parsing) == 0;
+  restore(STDOUT_FILENO, out);
+  restore(STDERR_FILENO, err);
+  return good ? -1 : 0;
 }

@@ -24,11 +24,14 @@ typedef struct hc_command {
   const char *name, *usage, *summary;    /* usage: what follows the name */
   const char *options;                   /* the letters of the options it takes, see options.c */
   int files;                             /* how many it needs */
+  bool parallel;                         /* all ranks work; else only the first */
   int (*run)(const hc_options *options); /* returns the exit code */
 } hc_command;
 
-/* Parses the words behind a command's name. Returns -1 to go on, else the exit code (0 after --help, 2 after
- * an error, which `loud` processes have said). */
+/* Parses the words behind a command's name. Returns -1 to go on; else the program must end with the exit code
+ * returned (or has): 0 after --help, 2 after an error. A process that is not `loud` says nothing and ends
+ * with 0: the launcher passes on the code of the one that is, and would end it before its message if another
+ * failed first. */
 int hc_options_parse(const hc_command *command, int argc, char **argv, bool loud, hc_options *options);
 
 #endif

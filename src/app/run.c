@@ -356,6 +356,7 @@ static void close_files(run *run, hc_error *error) {
   hc_error closing = {.status = HC_OK};
   if (run->comm->rank == 0) {
     hc_tables_close(&run->tables, &closing);
+    run->log.echo = NULL; /* the program says it at its end */
     if (error->status != HC_OK) hc_log_warn(&run->log, "the run failed: %s", error->text);
     hc_log_close(&run->log, closing.status == HC_OK ? &closing : NULL);
   }

@@ -1,6 +1,6 @@
 #include "simulation.h"
 
-#include "setup/populate.h"
+#include "base/memory.h"
 #include "setup/rest_lattice.h"
 #include "setup/world_frame.h"
 
@@ -106,6 +106,32 @@ static void choose_settings(hc_simulation *simulation) {
   simulation->step_settings = hc_step_settings_of(scene);
 }
 
+/* Bytes a particle costs while the program runs, measured on developed flows (README, "Memory"). */
+enum { FLUID_BYTES = 330, BOUNDARY_BYTES = 70, PROGRAM_BYTES = 40 << 20 };
+
+double hc_simulation_memory(const hc_setup_plan *plan, int64_t ranks) {
+  const double share = 1.0 / (double)ranks;
+  return PROGRAM_BYTES +
+         share * (FLUID_BYTES * (double)plan->fluid_count + BOUNDARY_BYTES * (double)plan->boundary_count);
+}
+
+/* Where memory is promised before it is there, running out of it kills: so what cannot fit is refused. */
+static hc_status check_memory(hc_comm *comm, const hc_setup_plan *plan, hc_error *error) {
+  const double needed = hc_simulation_memory(plan, comm->size), gibibyte = 1 << 30;
+  const int sharing = hc_comm_machine_ranks(comm);
+  const double share = (double)hc_memory_machine() / sharing, allowed = (double)hc_memory_allowed();
+  const double most = share < allowed ? share : allowed;
+  if (needed > most)
+    hc_error_set(
+        error, HC_FAILED,
+        "out of memory: %lld fluid and %lld boundary particles on %d rank%s need about %.3g GiB on a "
+        "rank, which may have %.3g GiB (%d rank%s on its machine): use more machines or a larger "
+        "particle_spacing",
+        (long long)plan->fluid_count, (long long)plan->boundary_count, comm->size, comm->size == 1 ? "" : "s",
+        needed / gibibyte, most / gibibyte, sharing, sharing == 1 ? "" : "s");
+  return hc_comm_agree(comm, error);
+}
+
 /* Lets the start come to rest: steps of gravity and pressure that forget all momentum; then every particle
  * gets the velocity of the place it has come to. The pressure stays. */
 static hc_status settle(hc_simulation *simulation, const hc_setup_plan *plan, hc_error *error) {
@@ -132,7 +158,8 @@ static hc_status fill_world(hc_simulation *simulation, const hc_frame *frame, hc
   hc_comm *comm = simulation->comm;
   hc_world *world = &simulation->world;
   hc_setup_plan plan = {0};
-  if (hc_setup_plan_make(simulation->scene, frame, &plan, error) == HC_OK)
+  if (hc_setup_plan_make(simulation->scene, frame, &plan, error) == HC_OK &&
+      check_memory(comm, &plan, error) == HC_OK)
     hc_setup_generate(&plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
   if (hc_comm_agree(comm, error) == HC_OK) {
     hc_world_distribute(world);
@@ -236,6 +263,11 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   }
   const double dt = hc_time_step_next(&simulation->step_settings, simulation->time, simulation->dt,
                                       &simulation->report, &simulation->bound);
+  if (!(simulation->time + dt > simulation->time && isfinite(1.0 / (dt * dt))))
+    return hc_error_set(
+        error, HC_FAILED,
+        "the simulation diverged: a time step of %g s, bounded by: %s, does not get on from %g s", dt,
+        hc_step_bound_name(simulation->bound), simulation->time);
   if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
                                error) != HC_OK)
     return error->status;

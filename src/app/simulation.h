@@ -3,6 +3,7 @@
 #define HC_SIMULATION_H
 
 #include "scene/scene.h"
+#include "setup/populate.h"
 #include "solver/solver.h"
 #include "stepping/time_step.h"
 
@@ -25,7 +26,8 @@ typedef struct hc_simulation {
 } hc_simulation;
 
 /* Makes the particles of a scene, spreads them over the ranks and finds their first neighbourhoods.
- * Collective; errors (HC_BAD_INPUT) are agreed. On failure nothing needs freeing. */
+ * Collective; errors (HC_BAD_INPUT; HC_FAILED if the memory cannot suffice) are agreed. On failure nothing
+ * needs freeing. */
 hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_scene *scene,
                              hc_error *error);
 void hc_simulation_free(hc_simulation *simulation);
@@ -35,6 +37,9 @@ bool hc_simulation_done(const hc_simulation *simulation);
 
 /* One step. Collective. HC_FAILED (agreed) if the simulation diverged. */
 hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error);
+
+/* Bytes that one of `ranks` ranks needs for a plan's particles and all that goes with them, about. Local. */
+double hc_simulation_memory(const hc_setup_plan *plan, int64_t ranks);
 
 /* What bounds the steps of a scene. Local. */
 hc_step_settings hc_step_settings_of(const hc_scene *scene);

@@ -1,10 +1,14 @@
 #include "check.h"
 
+#include "halocline/error.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 static int process_rank = 0;
+static void (*leave_program)(int exit_code) = NULL;
 
 void hc_check_set_rank(int rank) {
   process_rank = rank;
@@ -20,4 +24,21 @@ void hc_check_failed(const char *file, int line, const char *format, ...) {
   fprintf(stderr, "halocline: rank %d: %s:%d: %s\n", process_rank, file, line, text);
   fflush(stderr);
   abort();
+}
+
+void hc_check_set_leave(void (*leave)(int exit_code)) {
+  leave_program = leave;
+}
+
+void hc_check_give_up(const char *format, ...) {
+  char text[1024];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  fflush(NULL);
+  fprintf(stderr, "halocline: error: rank %d: %s\n", process_rank, text);
+  fflush(stderr);
+  if (leave_program) leave_program(HC_FAILED);
+  _exit(HC_FAILED);
 }

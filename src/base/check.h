@@ -1,4 +1,5 @@
-/* Broken invariants: said with rank, file and line, then the process aborts (mpirun ends the other ranks). */
+/* Broken invariants: said with rank, file and line, then the process aborts (mpirun ends the other ranks).
+ * And what no caller can mend: said with the rank, then the program ends. */
 #ifndef HC_CHECK_H
 #define HC_CHECK_H
 
@@ -14,5 +15,11 @@ _Noreturn void hc_check_failed(const char *file, int line, const char *format, .
   do {                                                                                                       \
     if (__builtin_expect(!(condition), 0)) hc_check_failed(__FILE__, __LINE__, __VA_ARGS__);                 \
   } while (0)
+
+/* Ends the program because the machine lacks what it needs: exit code HC_FAILED, no core dump. */
+_Noreturn void hc_check_give_up(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* How the program ends there if other processes must end too; null: it has but this one. */
+void hc_check_set_leave(void (*leave)(int exit_code));
 
 #endif

@@ -20,7 +20,7 @@ void *hc_alloc(size_t count, size_t size) {
   const size_t alignment = count * size >= 2 * HUGE_PAGE ? HUGE_PAGE : HC_ALIGNMENT;
   const size_t bytes = (count * size + alignment) / alignment * alignment;
   void *pointer = aligned_alloc(alignment, bytes);
-  HC_CHECK(pointer, "out of memory: %zu bytes wanted", bytes);
+  if (!pointer) hc_check_give_up("out of memory: %zu bytes wanted, %zu in use", bytes, hc_memory_now());
   if (alignment == HUGE_PAGE) madvise(pointer, bytes, MADV_HUGEPAGE); /* a hint: failure changes nothing */
   return pointer;
 }
@@ -48,6 +48,16 @@ void hc_reserve(void **pointer, size_t *capacity, size_t count, size_t keep, siz
     *pointer = grown;
   }
   *capacity = roomy;
+}
+
+size_t hc_memory_machine(void) {
+  return (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+size_t hc_memory_allowed(void) {
+  struct rlimit limit;
+  return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY ? (size_t)limit.rlim_cur
+                                                                              : SIZE_MAX;
 }
 
 size_t hc_memory_now(void) {

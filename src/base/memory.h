@@ -1,4 +1,4 @@
-/* Memory that is always there: an allocation that fails aborts with what was asked for. */
+/* Memory that is always there: an allocation that fails ends the program with what was asked for. */
 #ifndef HC_MEMORY_H
 #define HC_MEMORY_H
 
@@ -16,6 +16,11 @@ void hc_free(void *pointer);
  * `*capacity` counts objects. Grows by a sixteenth beyond what is asked, so that a slowly growing array is
  * seldom moved and never wastes much. */
 void hc_reserve(void **pointer, size_t *capacity, size_t count, size_t keep, size_t size);
+
+/* Bytes that this machine has for all its processes, and that this process may have at most (its limit on
+ * address space, or SIZE_MAX). */
+size_t hc_memory_machine(void);
+size_t hc_memory_allowed(void);
 
 /* Resident memory of this process, in bytes: now, and at its highest. */
 size_t hc_memory_now(void);

@@ -23,6 +23,10 @@ static int as_count(size_t bytes) {
   return (int)bytes;
 }
 
+static void end_all(int exit_code) {
+  MPI_Abort(MPI_COMM_WORLD, exit_code);
+}
+
 void hc_comm_start(hc_comm *comm, int *argc, char ***argv) {
   memset(comm, 0, sizeof *comm);
   int started = 0;
@@ -37,9 +41,11 @@ void hc_comm_start(hc_comm *comm, int *argc, char ***argv) {
   CHECK_MPI(MPI_Comm_rank(comm->mpi, &comm->rank));
   CHECK_MPI(MPI_Comm_size(comm->mpi, &comm->size));
   hc_check_set_rank(comm->rank);
+  if (comm->size > 1) hc_check_set_leave(end_all);
 }
 
 void hc_comm_finish(hc_comm *comm) {
+  hc_check_set_leave(NULL);
   CHECK_MPI(MPI_Comm_free(&comm->mpi));
   if (comm->owns_mpi) CHECK_MPI(MPI_Finalize());
 }
@@ -51,6 +57,15 @@ int hc_comm_launched_rank(void) {
     if (value) return atoi(value);
   }
   return 0;
+}
+
+int hc_comm_machine_ranks(hc_comm *comm) {
+  MPI_Comm machine;
+  int count = 0;
+  CHECK_MPI(MPI_Comm_split_type(comm->mpi, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
+  CHECK_MPI(MPI_Comm_size(machine, &count));
+  CHECK_MPI(MPI_Comm_free(&machine));
+  return count;
 }
 
 hc_status hc_comm_agree(hc_comm *comm, hc_error *error) {

@@ -28,6 +28,9 @@ void hc_comm_finish(hc_comm *comm);
 /* The rank that a launcher (mpirun, srun) says this process will have, 0 without one. Local; needs no MPI. */
 int hc_comm_launched_rank(void);
 
+/* The number of ranks that share this rank's machine and its memory, itself included. */
+int hc_comm_machine_ranks(hc_comm *comm);
+
 /* The error of the lowest rank that has one (error->status != HC_OK) becomes everybody's; returns its status.
  * This is how a rank tells the others that something of its own failed. */
 hc_status hc_comm_agree(hc_comm *comm, hc_error *error);

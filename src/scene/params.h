@@ -44,7 +44,7 @@ typedef struct hc_param {
   const char *fallback;      /* the default as YAML text, or null */
   const char *fallback_note; /* the default for people, where `fallback` is null or does not say it all */
   hc_range range;
-  const char *range_note; /* a constraint on other keys, checked in rules.c */
+  const char *range_note; /* a constraint checked in rules.c, shown instead of the range */
   const char *sentence;
   const hc_choice *choices; /* CHOICE, FLAGS */
   const char *zero_word;    /* NUMBER: the word that stands for zero */

@@ -1,9 +1,11 @@
 #include "rules.h"
 
+#include "base/memory.h"
 #include "fill.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char axes[] = "xyz";
@@ -36,6 +38,17 @@ static void check_box(const hc_given *given, const char *low, const char *high, 
   }
 }
 
+/* The default output directory is called like the scene, and lies where the runs are. */
+static bool names_folder(const char *name) {
+  return *name && !strchr(name, '/') && strcmp(name, ".") != 0 && strcmp(name, "..") != 0;
+}
+
+static void check_name(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  if (is_bad(given, "name") || names_folder(scene->name)) return;
+  hc_complaints_add(complaints, hc_given_place_of(given, "name"),
+                    "name must do as a folder's name: without '/', not '.' or '..', not '%s'", scene->name);
+}
+
 /* The file's name without folder and extension. */
 static void name_scene(hc_scene *scene, const char *file_name) {
   const char *slash = strrchr(file_name, '/');
@@ -53,17 +66,24 @@ static void name_scene(hc_scene *scene, const char *file_name) {
     memcpy(scene->name + k, start + k, (size_t)bytes);
     k += (size_t)bytes;
   }
-  if (length == 0) strcpy(scene->name, "scene");
+  if (!names_folder(scene->name)) strcpy(scene->name, "scene");
 }
 
 static void check_support(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
   if (is_bad(given, "particle_spacing") || is_bad(given, "support_radius")) return;
   const double spacing = scene->particle_spacing;
+  /* Cubes of it and their inverses must be numbers, in single precision too. */
+  if (spacing < 1e-9 || spacing > 1e9) {
+    char seen[HC_PARAM_NUMBER_TEXT];
+    hc_params_number_text(spacing, seen);
+    hc_complaints_add(complaints, hc_given_place_of(given, "particle_spacing"),
+                      "particle_spacing must be 1e-9 to 1e9, not %s", seen);
+    return;
+  }
   if (!is_given(given, "support_radius")) scene->support_radius = 2 * spacing;
   /* Room for the rounding of decimal fractions: 0.03 is 1.5 spacings of 0.02. */
   const double ratio = scene->support_radius / spacing;
-  if (ratio >= 1.5 * (1 - 4 * DBL_EPSILON) && ratio <= 4 * (1 + 4 * DBL_EPSILON) && isfinite(4 * spacing))
-    return;
+  if (ratio >= 1.5 * (1 - 4 * DBL_EPSILON) && ratio <= 4 * (1 + 4 * DBL_EPSILON)) return;
   char radius[HC_PARAM_NUMBER_TEXT], times[HC_PARAM_NUMBER_TEXT];
   hc_params_number_text(scene->support_radius, radius);
   hc_params_number_text(ratio, times);
@@ -119,12 +139,31 @@ static void check_wall(hc_scene *scene, int index, const hc_given *given, hc_com
   hc_wall *wall = &scene->boundary.walls[index];
   check_box(given, "box.min", "box.max", wall->box.min, wall->box.max, NULL, complaints);
   normalize(wall, given, complaints);
-  if (is_bad(given, "name")) return;
   if (!is_given(given, "name")) snprintf(wall->name, sizeof wall->name, "wall_%d", index);
-  for (int k = 0; k < index; k++)
-    if (strcmp(scene->boundary.walls[k].name, wall->name) == 0)
+}
+
+static int by_name(const void *left, const void *right) {
+  const hc_wall *a = *(const hc_wall *const *)left, *b = *(const hc_wall *const *)right;
+  const int order = strcmp(a->name, b->name);
+  return order ? order : (a > b) - (a < b);
+}
+
+/* `walls` has an instance for each of the scene's. */
+static void check_wall_names(const hc_scene *scene, const hc_given_value *walls, hc_complaints *complaints) {
+  const int count = walls->item_count;
+  const hc_wall **sorted = hc_alloc((size_t)count, sizeof *sorted);
+  for (int k = 0; k < count; k++) sorted[k] = &scene->boundary.walls[k];
+  qsort(sorted, (size_t)count, sizeof *sorted, by_name);
+  const hc_wall *first = NULL;
+  for (int k = 0; k < count; k++) {
+    if (!first || strcmp(first->name, sorted[k]->name) != 0) first = sorted[k];
+    const hc_given *given = &walls->items[sorted[k] - scene->boundary.walls];
+    if (first != sorted[k] && !given->bad && !is_bad(given, "name"))
       hc_complaints_add(complaints, hc_given_place_of(given, "name"),
-                        "%sname must be the wall's own, not '%s' like wall %d", given->prefix, wall->name, k);
+                        "%sname must be the wall's own, not '%s' like wall %d", given->prefix,
+                        sorted[k]->name, (int)(first - scene->boundary.walls));
+  }
+  hc_free(sorted);
 }
 
 static void check_rectangle(const hc_scene_gauge *gauge, const hc_given *given, hc_complaints *complaints) {
@@ -172,6 +211,7 @@ static void check_gauge(const hc_scene *scene, int index, const hc_given *given,
 void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_name,
                     hc_complaints *complaints) {
   if (!is_given(given, "name")) name_scene(scene, file_name);
+  check_name(scene, given, complaints);
   check_support(scene, given, complaints);
   check_domain(scene, given, complaints);
   check_iterations(given, "solver.density_iterations.min", "solver.density_iterations.max",
@@ -186,6 +226,7 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
   const hc_given_value *walls = hc_given_value_of(given, "boundary.walls");
   for (int k = 0; k < walls->item_count; k++)
     if (!walls->items[k].bad) check_wall(scene, k, &walls->items[k], complaints);
+  check_wall_names(scene, walls, complaints);
   const hc_given_value *gauges = hc_given_value_of(given, "output.gauges");
   for (int k = 0; k < gauges->item_count; k++)
     if (!gauges->items[k].bad) check_gauge(scene, k, &gauges->items[k], complaints);

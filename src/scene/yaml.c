@@ -57,12 +57,30 @@ static hc_place event_place(builder *b, struct fy_event *event) {
   return b->last;
 }
 
+/* What is missing at the end of a text is missing behind its last line. */
+static hc_place within(const hc_source *source, int line, int column) {
+  int last_line = 1, last_column = 1, now = 1, at = 1;
+  for (size_t k = 0; k < source->length; k++) {
+    const char c = source->text[k];
+    if (c == '\n') {
+      now++;
+      at = 1;
+    } else if (((unsigned char)c & 0xc0) != 0x80) {
+      at++;
+      last_line = now;
+      last_column = at;
+    }
+  }
+  if (line <= last_line) return (hc_place){source, line, column};
+  return (hc_place){source, last_line, last_column};
+}
+
 /* libfyaml collects more than one message for one mistake: the first is the cause. */
 static void complain_of_syntax(const builder *b) {
   void *position = NULL;
   const struct fy_diag_error *found = fy_diag_errors_iterate(b->diag, &position);
   if (found && found->msg)
-    hc_complaints_add(b->complaints, (hc_place){b->source, found->line, found->column}, "not valid YAML: %s",
+    hc_complaints_add(b->complaints, within(b->source, found->line, found->column), "not valid YAML: %s",
                       found->msg);
   else
     hc_complaints_add(b->complaints, b->last, "not valid YAML");
@@ -110,6 +128,12 @@ static hc_yaml_node *find_anchor(builder *b, struct fy_event *event, hc_place pl
 
 static hc_yaml_node *build_node(builder *b, struct fy_event *event);
 
+/* A key that is not there stands where its value does. */
+static void place_like(hc_yaml_node *key, const hc_yaml_node *value) {
+  key->line = value->line;
+  key->column = value->column;
+}
+
 /* The children of a list or map; false after a complaint. */
 static bool build_children(builder *b, hc_yaml_node *parent) {
   const bool map = parent->kind == HC_YAML_MAP;
@@ -131,6 +155,7 @@ static bool build_children(builder *b, hc_yaml_node *parent) {
       }
       key = node;
     } else {
+      if (key && !*key->text && !key->quoted) place_like(key, node);
       append(parent, key, node);
       key = NULL;
     }
