@@ -4,9 +4,11 @@
 #include "commands.h"
 #include "halocline/version.h"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 static const hc_command commands[] = {
     {"run", "SCENE.yaml", "Simulates a scene; under mpirun on all ranks together.", "osnfq", 1, true,
@@ -30,7 +32,16 @@ static void usage(FILE *out) {
                "written.\n");
 }
 
+/* A standard stream that the caller closed would give its number to the next file opened, and that file what
+ * is meant for the stream. The other way round, neither can be used: output is an error again. */
+static void hold_streams(void) {
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; stream++)
+    if (fcntl(stream, F_GETFD) < 0)
+      if (open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) != stream) _exit(HC_IO_FAILED);
+}
+
 int main(int argc, char **argv) {
+  hold_streams();
   signal(SIGXFSZ, SIG_IGN); /* a file size limit becomes a write error */
   const int rank = hc_comm_launched_rank();
   hc_check_set_rank(rank);

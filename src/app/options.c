@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include "halocline/error.h"
+
 #include <argp.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -19,6 +21,7 @@ static const struct argp_option all_options[] = {
     {"tolerance", 't', "T", 0, "positions may differ by T metres, fields by T of their largest value", 0},
     {"json", 'j', 0, 0, "report as one JSON object", 0},
     {"solver", 'm', "NAME", 0, "only keys that matter to this solver", 0},
+    {"help", '?', 0, 0, "tell this", -1},
 };
 enum { OPTION_COUNT = sizeof all_options / sizeof *all_options };
 
@@ -80,6 +83,9 @@ static error_t take(int key, char *text, struct argp_state *state) {
   case 'j':
     options->json = true;
     break;
+  case '?':
+    argp_state_help(state, stdout, ARGP_HELP_STD_HELP & ~(unsigned)ARGP_HELP_EXIT_OK);
+    exit(fflush(stdout) == 0 ? HC_OK : HC_IO_FAILED);
   case ARGP_KEY_ARG:
     if (options->file_count == parsing->command->files) {
       argp_error(state, "'%s' is one argument too many", text);
@@ -118,7 +124,8 @@ int hc_options_parse(const hc_command *command, int argc, char **argv, bool loud
   struct argp_option own[OPTION_COUNT + 1];
   int count = 0;
   for (int k = 0; k < OPTION_COUNT; k++)
-    if (strchr(command->options, all_options[k].key)) own[count++] = all_options[k];
+    if (all_options[k].key == '?' || strchr(command->options, all_options[k].key))
+      own[count++] = all_options[k];
   memset(&own[count], 0, sizeof own[count]);
 
   parsing parsing = {command, options};
@@ -128,12 +135,13 @@ int hc_options_parse(const hc_command *command, int argc, char **argv, bool loud
   argv[0] = name;
   if (loud) {
     argp_err_exit_status = 2;
-    return argp_parse(&argp, argc, argv, 0, NULL, &parsing) == 0 ? -1
-                                                                 : 2; /* exits by itself after messages */
+    return argp_parse(&argp, argc, argv, ARGP_NO_HELP, NULL, &parsing) == 0
+               ? -1
+               : 2; /* exits by itself after messages */
   }
   argp_err_exit_status = 0;
   const int out = silence(STDOUT_FILENO), err = silence(STDERR_FILENO);
-  const bool good = argp_parse(&argp, argc, argv, 0, NULL, &parsing) == 0;
+  const bool good = argp_parse(&argp, argc, argv, ARGP_NO_HELP, NULL, &parsing) == 0;
   restore(STDOUT_FILENO, out);
   restore(STDERR_FILENO, err);
   return good ? -1 : 0;

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static hc_status broken(const hc_snapshot_file *file, hc_error *error, const char *format, ...)
@@ -230,7 +231,10 @@ hc_status hc_snapshot_read_open(const char *path, hc_snapshot_file *file, hc_err
   hc_h5_silence();
   memset(file, 0, sizeof *file);
   snprintf(file->path, sizeof file->path, "%s", path);
-  if (access(path, R_OK) != 0) return broken(file, error, "cannot read it: %s", strerror(errno));
+  struct stat facts;
+  if (access(path, R_OK) != 0 || stat(path, &facts) != 0)
+    return broken(file, error, "cannot read it: %s", strerror(errno));
+  if (S_ISDIR(facts.st_mode)) return broken(file, error, "a folder, not a snapshot");
   const htri_t is_hdf5 = H5Fis_hdf5(path);
   file->handle = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file->handle < 0) {

@@ -99,6 +99,12 @@ static void mark_bad(const hc_given *given, const char *path) {
   }
 }
 
+static bool is_variant(const hc_param_table *table, const char *path) {
+  for (int k = 0; table->variants && table->variants[k]; k++)
+    if (strcmp(table->variants[k], path) == 0) return true;
+  return false;
+}
+
 /* Takes the value of a key or map; `key_place` serves values that are not there. */
 static void take_value(hc_given *given, const char *path, const hc_yaml_node *node, hc_place key_place,
                        const hc_source *source, hc_complaints *complaints) {
@@ -114,6 +120,9 @@ static void take_value(hc_given *given, const char *path, const hc_yaml_node *no
     complain_of_unknown(given, path, key_place, complaints);
   } else if (node->kind != HC_YAML_MAP) {
     complain_of_kind(given->prefix, path, "a map", node, place, complaints);
+    mark_bad(given, path);
+  } else if (node->count == 0 && is_variant(given->table, path)) {
+    hc_complaints_add(complaints, place, "%s%s must have keys, not {}", given->prefix, path);
     mark_bad(given, path);
   } else {
     take_map(given, path, node, source, complaints);
@@ -135,8 +144,8 @@ static bool is_repeated(const hc_yaml_node *map, int index, const char *prefix, 
 static void take_map(hc_given *given, const char *path, const hc_yaml_node *map, const hc_source *source,
                      hc_complaints *complaints) {
   for (int k = 0; k < map->count; k++) {
-    /* A file of mistakes: all that will be shown is there. */
-    if (complaints->total >= HC_COMPLAINTS_MOST) return;
+    /* A file of mistakes: all that will be shown is there, and one more to tell that there are more. */
+    if (complaints->total > HC_COMPLAINTS_MOST) return;
     const hc_yaml_node *key = map->keys[k];
     const hc_place place = place_of(source, key);
     char inner[HC_PARAM_PATH];
