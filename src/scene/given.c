@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* More sources of particles than ids can name, and more than any memory should be spent on. */
+enum { MOST_ITEMS = 1 << 20 };
+
 hc_given hc_given_start(const hc_param_table *table, const char *prefix, hc_place place) {
   hc_given given = {.table = table, .place = place};
   snprintf(given.prefix, sizeof given.prefix, "%s", prefix);
@@ -67,6 +70,12 @@ static void take_items(const hc_given *given, hc_given_value *value, const hc_pa
   if (list->kind != HC_YAML_LIST) {
     value->bad = true;
     complain_of_kind(given->prefix, param->path, "a list of maps", list, value->place, complaints);
+    return;
+  }
+  if (list->count > MOST_ITEMS) {
+    value->bad = true;
+    hc_complaints_add(complaints, value->place, "%s%s must have at most %d items, not %d", given->prefix,
+                      param->path, MOST_ITEMS, list->count);
     return;
   }
   value->items = hc_alloc_zero((size_t)list->count, sizeof *value->items);

@@ -23,7 +23,7 @@ fluid: {blocks: [{box: {min: [0, 0, 0], max: [0.4, 0.4, 0.4]}}]}
 """
 WALL = "plane: {point: [0, 0, 0], normal: [0, 0, 1], size: [1, 1]}"
 NOISE = ("MPI_ABORT", "signal", "Sanitizer", "runtime error:", "PMIX ERROR", "HDF5-DIAG", "core dumped", "src/")
-JOBS = 6  # much of a start under mpirun is waiting
+JOBS = 10  # much of a start under mpirun is waiting
 
 
 def added(line):
@@ -105,6 +105,7 @@ SCENES = {
                                                            for x, y in zip("bcdefghijklmno", "abcdefghijklmn"))),
                            "unknown key 'o'"),
     "ten megabytes of keys": (added("".join(f"key_{k}: {k}\n" for k in range(550000))), "'key_0'", "and more"),
+    "too many blocks": ("fluid: {blocks: [" + "{}, " * (2**20 + 1) + "]}\n", "1:17", "at most 1048576 items, not 1048577"),
     "larger than a scene": (GOOD.encode() + b"#" * (33 << 20), "larger than 32 MiB"),
     "empty file": (b"", "scene.yaml: the file is empty"),
     "only a comment": ("# nothing\n", "must be a map of keys, not nothing"),
@@ -381,6 +382,31 @@ def disk_full(case, folder, ranks):
         subprocess.run(["umount", str(disk)], check=True)
 
 
+def diverged(case, folder, ranks):
+    """A run that fails says why once, in its log too, and keeps what it wrote."""
+    code, text = start(case, ["run", "scene.yaml", "-o", "out", "--quiet", "--set",
+                              "fluid.blocks[0].velocity=[1e308, 1e308, 0]"], folder, ranks)
+    expect_message("a run that diverges", code, text, 1, ["halocline: error: the simulation diverged"])
+    c.expect(text.count("diverged") == 1, f"a run that diverges says so more than once\n{text}")
+    c.expect("diverged" in (folder / "out/run.log").read_text(encoding="utf-8"), "run.log does not tell why it ended")
+    expect_whole(folder)
+
+
+def unused_key(case, folder, ranks):
+    """What the scene says in vain is told once, in the log too, and is no failure."""
+    with open(folder / "scene.yaml", "a", encoding="utf-8") as scene:
+        scene.write("time_step: {control: cfl, size: 0.001}\n")
+    said = "scene.yaml:4:33: time_step.size is not used: time_step.control is cfl"
+    for arguments in ["check", "scene.yaml"], ["run", "scene.yaml", "-o", "out", "--quiet", "--steps", "1"]:
+        code, text = start(case, arguments, folder, ranks)
+        expect_message("a key that is not used", code, text, 0, [f"halocline: warning: {said}"])
+        c.expect(text.count(said) == 1, f"a key that is not used: told more than once\n{text}")
+    c.expect(said in (folder / "out/run.log").read_text(encoding="utf-8"), "run.log does not tell of a key not used")
+    code, text = start(case, ["check", "out/scene.yaml"], folder, 1)
+    expect_message("the scene that a run wrote", code, text, 0, [])
+    c.expect("warning" not in text, f"the scene that a run wrote has warnings\n{text}")
+
+
 def in_folder(test, case, ranks):
     with tempfile.TemporaryDirectory(dir=case.folder) as folder:
         (Path(folder) / "scene.yaml").write_text(GOOD, encoding="utf-8")
@@ -388,9 +414,26 @@ def in_folder(test, case, ranks):
 
 
 def outputs(case, _):
-    tests = (output_taken, output_blocked, output_limited, disk_full)
+    tests = (output_taken, output_blocked, output_limited, disk_full, diverged, unused_key)
     count = all_of([(in_folder, test, case, ranks) for test in tests for ranks in (1, 3)])
-    return f"{count} outputs that cannot be written end as agreed"
+    return f"{count} runs between good and bad end as agreed"
+
+
+def short_of_memory(case, folder, ranks):
+    """Too little memory for the particles is foreseen; too little for all the rest is met by an allocation."""
+    spacing = {1: 4e-3, 3: 3e-3}[ranks]  # 1 and 2.4 million particles, about 370 and 300 MB on a rank
+    for limit in {1: (300, 400), 3: (250, 330)}[ranks]:
+        code, text = start(case, ["run", "scene.yaml", "-o", "out", "--quiet", "--steps", "1", "--set",
+                                  f"particle_spacing={spacing}"], folder, ranks, within=["prlimit", f"--as={limit}000000"])
+        what = f"{limit} MB of memory, {ranks} ranks"
+        c.expect(code == 1 and "out of memory" in text, f"{what}: exit code {code}\n{text[:3000]}")
+        c.expect(ranks > 1 or text.count("out of memory") == 1, f"{what}: more than one message\n{text[:3000]}")
+        c.expect(not (folder / "out").exists(), f"{what}: there is an output directory")
+
+
+def memory(case, _):
+    all_of([(in_folder, short_of_memory, case, ranks) for ranks in (1, 3)])
+    return "runs that lack memory say so and fail"
 
 
 def lost_output(case, folder, _):
@@ -502,5 +545,5 @@ def snapshots(case, _):
 
 if __name__ == "__main__":
     c.main(__doc__, {"scenes": scenes, "scenes_on_ranks": scenes_on_ranks, "commands": commands,
-                     "commands_on_ranks": commands_on_ranks, "outputs": outputs, "standard_output": standard_output,
+                     "commands_on_ranks": commands_on_ranks, "outputs": outputs, "memory": memory, "standard_output": standard_output,
                      "snapshots": snapshots})

@@ -219,7 +219,7 @@ START_TEST(bad_files_are_told_apart) {
   char path[128];
   snprintf(path, sizeof path, "%s/missing.hdf", directory);
   expect_bad(path, "No such file or directory");
-  expect_bad(directory, "not an HDF5 file");
+  expect_bad(directory, "a folder, not a snapshot");
   snprintf(path, sizeof path, "%s/text.hdf", directory);
   FILE *text = fopen(path, "w");
   fputs("hello\n", text);

@@ -229,6 +229,9 @@ START_TEST(test_errors_in_a_line) {
        "54: unknown key 'fluid.blocks[0].velocit'; did you mean 'fluid.blocks[0].velocity'?"},
       {"solver.warm_start: 1", "1: unknown key 'solver.warm_start': write nested maps, not dots"},
       {"warm_start: 1", "1: unknown key 'warm_start'; did you mean 'solver.warm_start'?"},
+      {"name: a/b", "7: name must do as a folder's name: without '/', not '.' or '..', not 'a/b'"},
+      {"name: ..", "7: name must do as a folder's name: without '/', not '.' or '..', not '..'"},
+      {"boundary: {walls: [{box: {}}]}", "26: boundary.walls[0].box must have keys, not {}"},
       {"support_radius: abc", "17: support_radius must be a number, not 'abc'"},
       {"support_radius: \"0.04\"", "17: support_radius must be a number, not the text '0.04'"},
       {"support_radius: 0x1", "17: support_radius must be a number, not '0x1'"},
@@ -296,6 +299,7 @@ START_TEST(test_errors_elsewhere) {
   refuse(SMALLEST "boundary:\n  walls:\n  - {name: a, box: {min: [0,0,0], max: [1,1,1]}}\n"
                   "  - {name: a, box: {min: [0,0,0], max: [1,1,1]}}\n",
          "6:12: boundary.walls[1].name must be the wall's own, not 'a' like wall 0");
+  refuse("particle_spacing: 1e-10\nend_time: 1", "1:19: particle_spacing must be 1e-9 to 1e9, not 1e-10");
   refuse("# no time\nparticle_spacing: 1\n", "2:1: missing required key 'end_time'");
   refuse(SMALLEST "time_step: {control: constant}\n",
          "1:1: missing key 'time_step.size', required with time_step.control constant");
