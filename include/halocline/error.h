@@ -5,6 +5,8 @@
 #ifndef HALOCLINE_ERROR_H
 #define HALOCLINE_ERROR_H
 
+#include "halocline/export.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -26,7 +28,7 @@ typedef struct hc_error {
 } hc_error;
 
 /* Puts a formatted message into `error` (which may be null) and returns `status`. Local; never fails. */
-hc_status hc_error_set(hc_error *error, hc_status status, const char *format, ...)
+HC_PUBLIC hc_status hc_error_set(hc_error *error, hc_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 #ifdef __cplusplus

@@ -4,20 +4,13 @@
 #include "io/info.h"
 #include "particles/particles.h"
 #include "scene/params.h"
+#include "scene_input.h"
 #include "setup/populate.h"
 #include "setup/world_frame.h"
 #include "simulation.h"
 
 #include <math.h>
 #include <stdio.h>
-
-hc_scene_limits hc_command_scene_limits(const char **names) {
-  int count = 0;
-  for (int field = 0; field < HC_FIELD_COUNT; field++)
-    if ((hc_fields[field].flags & HC_SNAPSHOT) && field != HC_FIELD_id)
-      names[count++] = hc_fields[field].name;
-  return (hc_scene_limits){names, count};
-}
 
 int hc_command_fail(const hc_error *error) {
   fflush(stdout);
@@ -65,7 +58,7 @@ int hc_command_check(const hc_options *options) {
   hc_error error = {.status = HC_OK};
   hc_scene scene;
   const char *names[HC_FIELD_COUNT];
-  const hc_scene_limits limits = hc_command_scene_limits(names);
+  const hc_scene_limits limits = hc_scene_input_limits(names);
   hc_warnings warnings = {0};
   if (hc_scene_read(&scene, options->files[0], options->overrides, options->override_count, &limits,
                     &warnings, &error) != HC_OK)

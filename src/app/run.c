@@ -11,6 +11,7 @@
 #include "io/tables.h"
 #include "io/timings.h"
 #include "scene/writer.h"
+#include "scene_input.h"
 #include "simulation.h"
 
 #include <stdio.h>
@@ -38,25 +39,6 @@ typedef struct run {
   double particle_steps;              /* fluid particles summed over the steps */
   double started;                     /* wall clock, when the steps began */
 } run;
-
-/* Rank 0 reads the file, every rank the text. Rank 0 alone has warnings, and says them. */
-static hc_status read_scene(hc_comm *comm, const hc_options *options, hc_scene *scene, hc_warnings *warnings,
-                            hc_error *error) {
-  char *text = NULL;
-  size_t length = 0;
-  if (comm->rank == 0) hc_scene_load(options->files[0], &text, &length, error);
-  if (hc_comm_agree(comm, error) != HC_OK) return error->status;
-  hc_comm_broadcast(comm, &length, sizeof length, 0);
-  if (comm->rank != 0) text = hc_alloc_zero(length + 1, 1);
-  hc_comm_broadcast(comm, text, length, 0);
-  const char *names[HC_FIELD_COUNT];
-  const hc_scene_limits limits = hc_command_scene_limits(names);
-  hc_scene_read_text(scene, options->files[0], text, length, options->overrides, options->override_count,
-                     &limits, comm->rank == 0 ? warnings : NULL, error);
-  hc_free(text);
-  hc_command_warn(warnings);
-  return hc_comm_agree(comm, error);
-}
 
 static hc_status write_snapshot(run *run, hc_error *error) {
   hc_simulation *simulation = &run->simulation;
@@ -366,8 +348,14 @@ static void close_files(run *run, hc_error *error) {
 
 static void simulate(hc_comm *comm, const hc_options *options, hc_error *error) {
   hc_scene scene;
+  const hc_scene_input input = {options->files[0], NULL, options->overrides, options->override_count};
   hc_warnings warnings = {0};
-  if (read_scene(comm, options, &scene, &warnings, error) != HC_OK) return;
+  hc_scene_input_read(comm, &input, &scene, &warnings, error);
+  hc_command_warn(&warnings);
+  if (error->status != HC_OK) {
+    hc_warnings_free(&warnings);
+    return;
+  }
   run *run = hc_alloc_zero(1, sizeof *run);
   run->comm = comm;
   run->options = options;

@@ -27,6 +27,15 @@ static void end_all(int exit_code) {
   MPI_Abort(MPI_COMM_WORLD, exit_code);
 }
 
+static void duplicate(hc_comm *comm, MPI_Comm given) {
+  CHECK_MPI(MPI_Comm_dup(given, &comm->mpi));
+  CHECK_MPI(MPI_Comm_set_errhandler(comm->mpi, MPI_ERRORS_RETURN));
+  CHECK_MPI(MPI_Comm_rank(comm->mpi, &comm->rank));
+  CHECK_MPI(MPI_Comm_size(comm->mpi, &comm->size));
+  hc_check_set_rank(comm->rank);
+  if (comm->size > 1) hc_check_set_leave(end_all);
+}
+
 void hc_comm_start(hc_comm *comm, int *argc, char ***argv) {
   memset(comm, 0, sizeof *comm);
   int started = 0;
@@ -36,12 +45,30 @@ void hc_comm_start(hc_comm *comm, int *argc, char ***argv) {
     CHECK_MPI(MPI_Init_thread(argc, argv, MPI_THREAD_SINGLE, &level));
     comm->owns_mpi = true;
   }
-  CHECK_MPI(MPI_Comm_dup(MPI_COMM_WORLD, &comm->mpi));
-  CHECK_MPI(MPI_Comm_set_errhandler(comm->mpi, MPI_ERRORS_RETURN));
-  CHECK_MPI(MPI_Comm_rank(comm->mpi, &comm->rank));
-  CHECK_MPI(MPI_Comm_size(comm->mpi, &comm->size));
-  hc_check_set_rank(comm->rank);
-  if (comm->size > 1) hc_check_set_leave(end_all);
+  duplicate(comm, MPI_COMM_WORLD);
+}
+
+hc_status hc_comm_start_on(hc_comm *comm, const int *handle, hc_error *error) {
+  int started = 0, ended = 0;
+  CHECK_MPI(MPI_Initialized(&started));
+  CHECK_MPI(MPI_Finalized(&ended));
+  if (ended) return hc_error_set(error, HC_BAD_INPUT, "MPI has been ended, and cannot start a second time");
+  if (!handle) {
+    hc_comm_start(comm, NULL, NULL);
+    return HC_OK;
+  }
+  memset(comm, 0, sizeof *comm);
+  if (!started)
+    return hc_error_set(error, HC_BAD_INPUT, "MPI must be started before a communicator is given");
+  const MPI_Comm given = MPI_Comm_f2c(*handle);
+  if (given == MPI_COMM_NULL)
+    return hc_error_set(error, HC_BAD_INPUT,
+                        "the communicator must not be MPI_COMM_NULL, nor an unknown handle");
+  int between = 0;
+  CHECK_MPI(MPI_Comm_test_inter(given, &between));
+  if (between) return hc_error_set(error, HC_BAD_INPUT, "the communicator must not be an intercommunicator");
+  duplicate(comm, given);
+  return HC_OK;
 }
 
 void hc_comm_finish(hc_comm *comm) {

@@ -25,6 +25,11 @@ typedef struct hc_comm {
 void hc_comm_start(hc_comm *comm, int *argc, char ***argv);
 void hc_comm_finish(hc_comm *comm);
 
+/* The same for programs that embed a run: on the communicator of a Fortran handle (MPI_Comm_c2f), which must
+ * belong to an MPI that runs; null: as hc_comm_start. HC_BAD_INPUT, found by every rank alone: MPI is not
+ * running or has ended, the handle is no communicator of one group. */
+hc_status hc_comm_start_on(hc_comm *comm, const int *handle, hc_error *error);
+
 /* The rank that a launcher (mpirun, srun) says this process will have, 0 without one. Local; needs no MPI. */
 int hc_comm_launched_rank(void);
 
