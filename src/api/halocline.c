@@ -159,14 +159,7 @@ hc_status hc_run_snapshot(hc_run *run, const char *directory, hc_error *error) {
   if (run->comm->rank == 0) hc_text_path(path, &problem, "%s", directory);
   if (hc_comm_agree(run->comm, &problem) != HC_OK) return hand_over(&problem, error);
   hc_comm_broadcast(run->comm, path, sizeof path, 0);
-  const hc_simulation *simulation = &run->simulation;
-  const hc_snapshot snapshot = {&run->scene,
-                                &simulation->world.frame,
-                                &simulation->world.fluid,
-                                &simulation->world.boundary,
-                                simulation->step,
-                                simulation->time,
-                                simulation->dt};
+  const hc_snapshot snapshot = hc_simulation_snapshot(&run->simulation);
   if (hc_run_dir_open(run->comm, path, HC_RUN_DIR_RESUME, &problem) == HC_OK &&
       hc_snapshot_write(run->comm, &snapshot, path, run->snapshots, &problem) == HC_OK)
     run->snapshots++;

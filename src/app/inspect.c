@@ -78,7 +78,8 @@ int hc_command_check(const hc_options *options) {
 
 int hc_command_info(const hc_options *options) {
   hc_error error = {.status = HC_OK};
-  if (hc_info_print(options->files[0], stdout, &error) != HC_OK) return hc_command_fail(&error);
+  if (hc_info_print(options->files[0], options->json, stdout, &error) != HC_OK)
+    return hc_command_fail(&error);
   return finish_output();
 }
 

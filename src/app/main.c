@@ -13,9 +13,9 @@
 static const hc_command commands[] = {
     {"run", "SCENE.yaml", "Simulates a scene; under mpirun on all ranks together.", "osnfq", 1, true,
      hc_command_run},
-    {"check", "SCENE.yaml", "Reads and validates a scene, counts its particles, runs nothing.", "sr", 1,
+    {"check", "SCENE.yaml", "Reads and validates a scene, counts its particles, runs nothing.", "srj", 1,
      false, hc_command_check},
-    {"info", "FILE", "Tells what a snapshot holds.", "", 1, false, hc_command_info},
+    {"info", "FILE", "Tells what a snapshot holds.", "j", 1, false, hc_command_info},
     {"diff", "A B", "Compares two snapshots particle by particle: 0 same, 1 different, 2 cannot compare.",
      "tj", 2, false, hc_command_diff},
     {"keys", "", "Lists every scene key: type, unit, default, range, one sentence.", "m", 0, false,

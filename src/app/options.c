@@ -18,7 +18,7 @@ static const struct argp_option all_options[] = {
     {"force", 'f', 0, 0, "overwrite the run that the directory holds", 0},
     {"quiet", 'q', 0, 0, "no progress line", 0},
     {"ranks", 'r', "N", 0, "for how many ranks to estimate", 0},
-    {"tolerance", 't', "T", 0, "positions may differ by T metres, fields by T of their largest value", 0},
+    {"tolerance", 't', "T", 0, "how much may differ: T metres of a position, T m/s of a velocity, ...", 0},
     {"json", 'j', 0, 0, "report as one JSON object", 0},
     {"solver", 'm', "NAME", 0, "only keys that matter to this solver", 0},
     {"help", '?', 0, 0, "tell this", -1},

@@ -43,13 +43,7 @@ typedef struct run {
 static hc_status write_snapshot(run *run, hc_error *error) {
   hc_simulation *simulation = &run->simulation;
   hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
-  const hc_snapshot snapshot = {run->scene,
-                                &simulation->world.frame,
-                                &simulation->world.fluid,
-                                &simulation->world.boundary,
-                                simulation->step,
-                                simulation->time,
-                                simulation->dt};
+  const hc_snapshot snapshot = hc_simulation_snapshot(simulation);
   return hc_snapshot_write(run->comm, &snapshot, run->directory, run->snapshots++, error);
 }
 

@@ -276,3 +276,15 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   simulation->time = simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
   return HC_OK;
 }
+
+hc_snapshot hc_simulation_snapshot(const hc_simulation *simulation) {
+  const hc_world *world = &simulation->world;
+  return (hc_snapshot){.scene = simulation->scene,
+                       .frame = &world->frame,
+                       .fluid = &world->fluid,
+                       .boundary = &world->boundary,
+                       .step = simulation->step,
+                       .time = simulation->time,
+                       .dt = simulation->dt,
+                       .particle_mass = world->mass};
+}

@@ -2,6 +2,7 @@
 #ifndef HC_SIMULATION_H
 #define HC_SIMULATION_H
 
+#include "io/snapshot.h"
 #include "scene/scene.h"
 #include "setup/populate.h"
 #include "solver/solver.h"
@@ -40,6 +41,9 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error);
 
 /* Bytes that one of `ranks` ranks needs for a plan's particles and all that goes with them, about. Local. */
 double hc_simulation_memory(const hc_setup_plan *plan, int64_t ranks);
+
+/* The moment to be written; borrows from the simulation. Local. */
+hc_snapshot hc_simulation_snapshot(const hc_simulation *simulation);
 
 /* What bounds the steps of a scene. Local. */
 hc_step_settings hc_step_settings_of(const hc_scene *scene);

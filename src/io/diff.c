@@ -165,34 +165,9 @@ static hc_status compare_positions(comparison *work) {
 
 /* ---- fields ---- */
 
-static double value_of(const void *values, hc_snapshot_type type, int64_t k) {
-  switch (type) {
-  case HC_SNAPSHOT_U8:
-    return ((const uint8_t *)values)[k];
-  case HC_SNAPSHOT_I64:
-    return (double)((const int64_t *)values)[k];
-  case HC_SNAPSHOT_F32:
-    return ((const float *)values)[k];
-  case HC_SNAPSHOT_F64:
-    break;
-  }
-  return ((const double *)values)[k];
-}
-
-/* NaNs do not count. */
-static double largest(const void *values, const hc_snapshot_field *shape, int64_t particles) {
-  double most = 0;
-  for (int64_t k = 0; k < particles * shape->components; k++)
-    most = fmax(most, fabs(value_of(values, shape->type, k)));
-  return most;
-}
-
 static void compare_values(comparison *work, hc_diff_field *field, const hc_snapshot_field *shape,
                            const void *a, const void *b) {
-  double allowed = 0;
-  if (work->report.tolerance > 0)
-    allowed = work->report.tolerance *
-              fmax(largest(a, shape, work->a.facts.particles), largest(b, shape, work->b.facts.particles));
+  const double tolerance = work->report.tolerance;
   for (int64_t k = 0; k < work->report.common; k++) {
     const pair at = work->pairs[k];
     if (memcmp((const char *)a + (size_t)at.a * shape->bytes, (const char *)b + (size_t)at.b * shape->bytes,
@@ -200,12 +175,12 @@ static void compare_values(comparison *work, hc_diff_field *field, const hc_snap
       continue;
     double most = 0;
     for (int component = 0; component < shape->components; component++) {
-      const double x = value_of(a, shape->type, at.a * shape->components + component);
-      const double y = value_of(b, shape->type, at.b * shape->components + component);
+      const double x = hc_snapshot_read_value(a, shape->type, at.a * shape->components + component);
+      const double y = hc_snapshot_read_value(b, shape->type, at.b * shape->components + component);
       const double size = x == y ? 0 : fabs(x - y); /* equal infinities too */
       if (!(size <= most)) most = size;
     }
-    count_if(work, field, k, work->report.tolerance > 0 ? !(most <= allowed) : true);
+    count_if(work, field, k, tolerance > 0 ? !(most <= tolerance) : true);
     note_worst(work, field, k, most);
   }
 }
@@ -228,14 +203,47 @@ static hc_status compare_field(comparison *work, const hc_snapshot_field *a, con
   return status;
 }
 
+/* ---- the files as a whole ---- */
+
+/* What both files say of the scene behind them. */
+static void compare_settings(comparison *work) {
+  hc_diff_report *report = &work->report;
+  const hc_snapshot_facts *a = &work->a.facts, *b = &work->b.facts;
+  double period[2][3];
+  for (int axis = 0; axis < 3; axis++) {
+    period[0][axis] = (double)a->period[axis] * a->unit[axis];
+    period[1][axis] = (double)b->period[axis] * b->unit[axis];
+  }
+  const struct {
+    const char *name, *unit;
+    int count;
+    const double *a, *b;
+  } settings[HC_DIFF_SETTINGS] = {{"particle_spacing", "m", 1, &a->particle_spacing, &b->particle_spacing},
+                                  {"support_radius", "m", 1, &a->support_radius, &b->support_radius},
+                                  {"period", "m", 3, period[0], period[1]},
+                                  {"rest_density", "kg/m3", 1, &a->rest_density, &b->rest_density},
+                                  {"particle_mass", "kg", 1, &a->particle_mass, &b->particle_mass},
+                                  {"gravity", "m/s2", 3, a->gravity, b->gravity}};
+  for (int k = 0; k < HC_DIFF_SETTINGS; k++) {
+    hc_diff_setting found = {.name = settings[k].name, .unit = settings[k].unit, .count = settings[k].count};
+    bool different = false;
+    for (int part = 0; part < found.count; part++) {
+      found.a[part] = settings[k].a[part];
+      found.b[part] = settings[k].b[part];
+      different |= fabs(found.a[part] - found.b[part]) > report->tolerance; /* not known: no difference */
+    }
+    if (different) report->settings[report->setting_count++] = found;
+  }
+}
+
 static hc_status compare_all(comparison *work) {
   hc_diff_report *report = &work->report;
   const hc_snapshot_facts *a = &work->a.facts, *b = &work->b.facts;
   report->same_step = a->step == b->step;
-  report->same_time = report->tolerance > 0
-                          ? fabs(a->time - b->time) <= report->tolerance * fmax(fabs(a->time), fabs(b->time))
-                          : a->time == b->time;
+  report->same_scene = strcmp(a->scene, b->scene) == 0;
+  report->same_time = a->time == b->time || fabs(a->time - b->time) <= report->tolerance;
   report->same_unit = memcmp(a->unit, b->unit, sizeof a->unit) == 0;
+  compare_settings(work);
   hc_status status = match(work);
   if (status == HC_OK) status = compare_positions(work);
   for (int k = 0; status == HC_OK && k < work->a.field_count; k++)
@@ -245,7 +253,7 @@ static hc_status compare_all(comparison *work) {
       status = compare_field(work, NULL, &work->b.fields[k]);
   if (status != HC_OK) return status;
   report->same = report->same_time && (report->same_step || report->tolerance > 0) &&
-                 report->missing[0] == 0 && report->missing[1] == 0;
+                 report->setting_count == 0 && report->missing[0] == 0 && report->missing[1] == 0;
   for (int k = 0; k < report->field_count; k++)
     report->same &= report->fields[k].differing == 0 && !report->fields[k].trouble;
   for (int64_t k = 0; k < report->common; k++) report->differing += work->differs[k];

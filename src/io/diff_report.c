@@ -7,12 +7,12 @@
 #include <stdio.h>
 
 static void put_id(FILE *out, uint64_t id) {
-  const uint64_t source = id >> HC_ID_COUNTER_BITS & (HC_ID_MAX_SOURCES - 1);
+  const int64_t source = hc_id_source_of(id);
   const uint64_t counter = id & ((uint64_t)HC_ID_MAX_COUNTER - 1);
   const char *kind = hc_id_kind_of(id) == HC_ID_FLUID      ? "fluid"
                      : hc_id_kind_of(id) == HC_ID_BOUNDARY ? "boundary"
                                                            : "unknown kind";
-  fprintf(out, "id %" PRIu64 " (%s, source %" PRIu64 ", number %" PRIu64 ")", id, kind, source, counter);
+  fprintf(out, "id %" PRIu64 " (%s, source %" PRId64 ", number %" PRIu64 ")", id, kind, source, counter);
 }
 
 static void put_field(const hc_diff_report *report, const hc_diff_field *field, FILE *out) {
@@ -54,17 +54,29 @@ static void put_side(char name, const hc_snapshot_file *file, FILE *out) {
           facts->pieces);
 }
 
+static void put_setting(const hc_diff_setting *setting, FILE *out) {
+  char text[HC_TEXT_NUMBER];
+  fprintf(out, "  %s differs:", setting->name);
+  for (int side = 0; side < 2; side++) {
+    for (int part = 0; part < setting->count; part++)
+      fprintf(out, "%s%s", part ? ", " : " ", hc_text_number(text, (side ? setting->b : setting->a)[part]));
+    fprintf(out, " %s in %c%s", setting->unit, "AB"[side], side ? "\n" : ",");
+  }
+}
+
 void hc_diff_report_text(const hc_diff_report *report, FILE *out) {
   char text[HC_TEXT_NUMBER];
-  if (report->same && report->tolerance == 0) {
+  if (report->same && report->same_scene && report->tolerance == 0) {
     fprintf(out, "identical: %" PRId64 " particles\n", report->common);
     return;
   }
   put_side('A', report->a, out);
   put_side('B', report->b, out);
+  if (!report->same_scene) fprintf(out, "  the scenes have different names\n");
   if (!report->same_step) fprintf(out, "  the steps differ\n");
   if (!report->same_time) fprintf(out, "  the times differ\n");
   if (!report->same_unit) fprintf(out, "  the units of length differ: positions compared in metres\n");
+  for (int k = 0; k < report->setting_count; k++) put_setting(&report->settings[k], out);
   put_missing(report, 0, out);
   put_missing(report, 1, out);
   for (int k = 0; k < report->field_count; k++) put_field(report, &report->fields[k], out);
@@ -88,7 +100,6 @@ static void put_json_side(const char *name, const hc_snapshot_file *file, FILE *
 }
 
 static void put_json_field(const hc_diff_field *field, FILE *out) {
-  char number[HC_TEXT_NUMBER];
   fprintf(out, "{\"name\":");
   hc_text_json_string(out, field->name);
   fprintf(out, ",\"unit\":");
@@ -99,12 +110,10 @@ static void put_json_field(const hc_diff_field *field, FILE *out) {
   }
   fprintf(out, ",\"differing\":%" PRId64, field->differing);
   if (field->found) {
-    fprintf(out, ",\"worst\":%s", hc_text_json_number(number, field->worst));
+    hc_text_json_numbers(out, "worst", 0, &field->worst);
     if (field->worst_units > 0) fprintf(out, ",\"worst_units\":%" PRId64, field->worst_units);
-    fprintf(out, ",\"id\":%" PRIu64 ",\"at\":[", field->worst_id);
-    for (int axis = 0; axis < 3; axis++)
-      fprintf(out, "%s%s", axis ? "," : "", hc_text_json_number(number, field->worst_at[axis]));
-    fprintf(out, "]");
+    fprintf(out, ",\"id\":%" PRIu64, field->worst_id);
+    hc_text_json_numbers(out, "at", 3, field->worst_at);
   }
   fprintf(out, "}");
 }
@@ -117,9 +126,20 @@ void hc_diff_report_json(const hc_diff_report *report, FILE *out) {
   fprintf(out, ",");
   put_json_side("b", report->b, out);
   fprintf(out,
-          ",\"same_step\":%s,\"same_time\":%s,\"same_unit\":%s,\"common\":%" PRId64 ",\"differing\":%" PRId64,
-          report->same_step ? "true" : "false", report->same_time ? "true" : "false",
-          report->same_unit ? "true" : "false", report->common, report->differing);
+          ",\"same_scene\":%s,\"same_step\":%s,\"same_time\":%s,\"same_unit\":%s,\"common\":%" PRId64
+          ",\"differing\":%" PRId64,
+          report->same_scene ? "true" : "false", report->same_step ? "true" : "false",
+          report->same_time ? "true" : "false", report->same_unit ? "true" : "false", report->common,
+          report->differing);
+  fprintf(out, ",\"settings\":[");
+  for (int k = 0; k < report->setting_count; k++) {
+    const hc_diff_setting *setting = &report->settings[k];
+    fprintf(out, "%s{\"name\":\"%s\",\"unit\":\"%s\"", k ? "," : "", setting->name, setting->unit);
+    hc_text_json_numbers(out, "a", setting->count > 1 ? setting->count : 0, setting->a);
+    hc_text_json_numbers(out, "b", setting->count > 1 ? setting->count : 0, setting->b);
+    fprintf(out, "}");
+  }
+  fprintf(out, "]");
   for (int side = 0; side < 2; side++) {
     fprintf(out, ",\"only_in_%c\":{\"count\":%" PRId64 ",\"ids\":[", "ab"[side], report -> missing[side]);
     for (int k = 0; k < report->missing[side] && k < HC_DIFF_LISTED; k++)

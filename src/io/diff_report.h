@@ -7,7 +7,10 @@
 
 #include <stdint.h>
 
-enum { HC_DIFF_LISTED = 10 }; /* missing ids that are named */
+enum {
+  HC_DIFF_LISTED = 10, /* missing ids that are named */
+  HC_DIFF_SETTINGS = 6
+};
 
 /* One field, or the position. */
 typedef struct hc_diff_field {
@@ -21,10 +24,19 @@ typedef struct hc_diff_field {
   bool found;         /* there is a worst */
 } hc_diff_field;
 
+/* A number of the scene (or three) that the files do not agree on. */
+typedef struct hc_diff_setting {
+  const char *name, *unit;
+  int count;
+  double a[3], b[3];
+} hc_diff_setting;
+
 typedef struct hc_diff_report {
   const hc_snapshot_file *a, *b;
   double tolerance;
-  bool same, same_time, same_step, same_unit;
+  bool same, same_scene, same_time, same_step, same_unit;
+  hc_diff_setting settings[HC_DIFF_SETTINGS]; /* that differ */
+  int setting_count;
   int64_t common, differing;
   int64_t missing[2];                      /* ids only in A, only in B */
   uint64_t missing_ids[2][HC_DIFF_LISTED]; /* the smallest of them */

@@ -6,9 +6,10 @@
  * uint8: 0 fluid, 1 boundary (hc_id_kind) PointData/<field>   the requested rows of fields.def; zeros for a
  * kind that lacks the field /Halocline, which ParaView ignores, holds what our own tools read: attributes
  * format_version, program_version, scene, time [s], step, dt [s], particle_spacing [m], support_radius [m],
- * rest_density [kg/m3], gravity [m/s2], unit [m], origin, period, low [units], fluid_particles,
- * boundary_particles; in /Halocline/units the unit of each field, in /Halocline/kinds the kinds that have it
- * (HC_FLUID | HC_BOUNDARY), by attributes of its name; and /Halocline/fluid_per_piece, int64 [pieces].
+ * rest_density [kg/m3], particle_mass [kg, of a fluid particle], gravity [m/s2], unit [m], origin, period,
+ * low [units], fluid_particles, boundary_particles; in /Halocline/units the unit of each field, in
+ * /Halocline/kinds the kinds that have it (HC_FLUID | HC_BOUNDARY), by attributes of its name; and
+ * /Halocline/fluid_per_piece, int64 [pieces].
  *
  * The integer position relative to the scene's origin is llrint(Points / unit), exactly, below 2^48 units.
  * The bytes of a file depend on the state and the number of ranks only. */
@@ -29,7 +30,8 @@ typedef struct hc_snapshot {
   const hc_frame *frame;
   const hc_particles *fluid, *boundary;
   int64_t step;
-  double time, dt; /* s */
+  double time, dt;      /* s */
+  double particle_mass; /* kg, of a fluid particle */
 } hc_snapshot;
 
 /* Writes DIRECTORY/snapshots/snap_NNNNNN.hdf (NNNNNN = number) and the new snapshots/run.hdf.series.

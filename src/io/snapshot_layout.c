@@ -182,6 +182,7 @@ static void define_own(hc_snapshot_layout *layout) {
   hc_h5_put_f64(own, "particle_spacing", 1, &scene->particle_spacing, problem);
   hc_h5_put_f64(own, "support_radius", 1, &frame->support_radius, problem);
   hc_h5_put_f64(own, "rest_density", 1, &scene->fluid.rest_density, problem);
+  hc_h5_put_f64(own, "particle_mass", 1, &snapshot->particle_mass, problem);
   hc_h5_put_f64(own, "gravity", 3, scene->gravity, problem);
   hc_h5_put_f64(own, "unit", 3, frame->unit, problem);
   hc_h5_put_i64(own, "origin", 3, frame->origin, problem);

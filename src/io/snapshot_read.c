@@ -132,6 +132,9 @@ static void read_facts(hc_snapshot_file *file, hid_t own, hc_error *problem) {
                {"unit", 3, facts->unit}};
   for (size_t k = 0; k < sizeof reals / sizeof *reals; k++)
     hc_h5_get(own, reals[k].name, H5T_NATIVE_DOUBLE, reals[k].count, reals[k].values, problem);
+  facts->particle_mass = NAN;
+  if (H5Aexists(own, "particle_mass") > 0)
+    hc_h5_get(own, "particle_mass", H5T_NATIVE_DOUBLE, 1, &facts->particle_mass, problem);
   const struct {
     const char *name;
     int count;
@@ -305,6 +308,20 @@ hc_status hc_snapshot_read_field(const hc_snapshot_file *file, const hc_snapshot
   snprintf(name, sizeof name, "VTKHDF/PointData/%s", field->name);
   return read_column(file, name, memory_type(field->type), type_bytes(field->type), file->facts.particles,
                      field->components, values, error);
+}
+
+double hc_snapshot_read_value(const void *values, hc_snapshot_type type, int64_t k) {
+  switch (type) {
+  case HC_SNAPSHOT_U8:
+    return ((const uint8_t *)values)[k];
+  case HC_SNAPSHOT_I64:
+    return (double)((const int64_t *)values)[k];
+  case HC_SNAPSHOT_F32:
+    return ((const float *)values)[k];
+  case HC_SNAPSHOT_F64:
+    break;
+  }
+  return ((const double *)values)[k];
 }
 
 const hc_snapshot_field *hc_snapshot_read_find(const hc_snapshot_file *file, const char *name) {

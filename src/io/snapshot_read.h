@@ -35,6 +35,7 @@ typedef struct hc_snapshot_facts {
   char scene[HC_NAME_LENGTH], program_version[HC_SNAPSHOT_READ_NAME];
   int64_t format_version, step;
   double time, dt, particle_spacing, support_radius, rest_density, gravity[3];
+  double particle_mass;                 /* kg; NaN: an older file, which does not tell */
   double unit[3];                       /* m */
   int64_t origin[3], period[3], low[3]; /* units */
   int64_t particles, fluid, boundary;
@@ -67,6 +68,9 @@ hc_status hc_snapshot_read_positions(const hc_snapshot_file *file, int64_t **pos
 /* All components of one field (an element of file->fields), [particles][components] of its type. */
 hc_status hc_snapshot_read_field(const hc_snapshot_file *file, const hc_snapshot_field *field, void **values,
                                  hc_error *error);
+/* Value k of such an array as a double. */
+double hc_snapshot_read_value(const void *values, hc_snapshot_type type, int64_t k);
+
 /* The field of a name, or null. */
 const hc_snapshot_field *hc_snapshot_read_find(const hc_snapshot_file *file, const char *name);
 

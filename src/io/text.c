@@ -37,6 +37,36 @@ void hc_text_json_string(FILE *stream, const char *text) {
   fputc('"', stream);
 }
 
+static void put_list(FILE *stream, int count, const double *values) {
+  char text[HC_TEXT_NUMBER];
+  fputc('[', stream);
+  for (int k = 0; k < count; k++) fprintf(stream, "%s%s", k ? "," : "", hc_text_json_number(text, values[k]));
+  fputc(']', stream);
+}
+
+void hc_text_json_numbers(FILE *stream, const char *name, int count, const double *values) {
+  char text[HC_TEXT_NUMBER];
+  fprintf(stream, ",\"%s\":", name);
+  if (count)
+    put_list(stream, count, values);
+  else
+    fputs(hc_text_json_number(text, *values), stream);
+}
+
+void hc_text_json_extent(FILE *stream, const char *before, const char *name, bool any, const double low[3],
+                         const double high[3]) {
+  fprintf(stream, "%s\"%s\":", before, name);
+  if (!any) {
+    fputs("null", stream);
+    return;
+  }
+  fputs("{\"low\":", stream);
+  put_list(stream, 3, low);
+  fputs(",\"high\":", stream);
+  put_list(stream, 3, high);
+  fputc('}', stream);
+}
+
 hc_status hc_text_path(char out[HC_TEXT_PATH], hc_error *error, const char *format, ...) {
   va_list arguments;
   va_start(arguments, format);

@@ -105,7 +105,7 @@ static void share(hc_particles *particles, hc_id_kind kind, int64_t count, owner
 }
 
 static hc_status write_snapshot(int number, hc_error *error) {
-  const hc_snapshot snapshot = {&scene, &frame, &fluid, &boundary, 42, 0.125, 1.0 / 1024};
+  const hc_snapshot snapshot = {&scene, &frame, &fluid, &boundary, 42, 0.125, 1.0 / 1024, 0.5};
   error->status = HC_OK;
   error->text[0] = 0;
   return hc_snapshot_write(&comm, &snapshot, directory, number, error);

@@ -80,7 +80,7 @@ static const char *path_of(int number) {
 }
 
 static void write_snapshot(int number) {
-  const hc_snapshot snapshot = {&scene, &frame, &fluid, &boundary, step, now, 1e-3};
+  const hc_snapshot snapshot = {&scene, &frame, &fluid, &boundary, step, now, 1e-3, 0.5};
   ck_assert_msg(hc_snapshot_write(&comm, &snapshot, directory, number, &error) == HC_OK, "%s", error.text);
 }
 
@@ -286,18 +286,122 @@ START_TEST(positions_round_trip_to_2_48) {
 }
 END_TEST
 
+START_TEST(the_tolerance_is_absolute) {
+  write_snapshot(0);
+  fluid.velocity[3 * 39] += 0.25; /* of 3.9 m/s */
+  fluid.density[2] += 0.25f;      /* of 1002 kg/m3 */
+  now += 0.25;
+  write_snapshot(1);
+  ck_assert_int_eq(diff(0.2499, false), HC_DIFF_DIFFERENT);
+  ck_assert_msg(
+      strstr(output, "the times differ") &&
+          strstr(output, "velocity               1 of 50 differ by more than the tolerance; worst 0.25") &&
+          strstr(output, "density                1 of 50 differ by more than the tolerance; worst 0.25"),
+      "%s", output);
+  ck_assert_int_eq(diff(0.2501, false), HC_DIFF_SAME);
+}
+END_TEST
+
+START_TEST(scenes_that_differ_are_named) {
+  write_snapshot(0);
+  strcpy(scene.name, "pond");
+  write_snapshot(1);
+  ck_assert_int_eq(diff(0, false), HC_DIFF_SAME); /* a name is no physics */
+  ck_assert_msg(strstr(output, "the scenes have different names") && strstr(output, "scene pond, step 5"),
+                "%s", output);
+  scene.gravity[2] = -1.5;
+  scene.particle_spacing = 0.01;
+  for (int axis = 0; axis < 3; axis++) frame.period[axis] = HC_CELL_UNITS * 25 / (axis + 1);
+  write_snapshot(1);
+  ck_assert_int_eq(diff(0, false), HC_DIFF_DIFFERENT);
+  ck_assert_msg(strstr(output, "  particle_spacing differs: 0.02 m in A, 0.01 m in B\n") &&
+                    strstr(output, "  gravity differs: 0, 0, 0 m/s2 in A, 0, 0, -1.5 m/s2 in B\n") &&
+                    strstr(output, "  period differs: 0, 0, 0 m in A, 1, 0.5, ") &&
+                    strstr(output, "different: 0 of 50"),
+                "%s", output);
+  ck_assert_int_eq(diff(0, true), HC_DIFF_DIFFERENT);
+  ck_assert_msg(strstr(output, "\"same_scene\":false") &&
+                    strstr(output, "{\"name\":\"particle_spacing\",\"unit\":\"m\",\"a\":0.02,\"b\":0.01}") &&
+                    strstr(output, "\"a\":[0,0,0],\"b\":[0,0,-1.5]"),
+                "%s", output);
+}
+END_TEST
+
+static void info(bool json) {
+  FILE *out = fmemopen(output, sizeof output, "w");
+  ck_assert_int_eq(hc_info_print(path_of(0), json, out, &error), HC_OK);
+  fclose(out);
+}
+
 START_TEST(info_tells_what_a_file_holds) {
   write_snapshot(0);
-  FILE *out = fmemopen(output, sizeof output, "w");
-  ck_assert_int_eq(hc_info_print(path_of(0), out, &error), HC_OK);
-  fclose(out);
+  info(false);
   ck_assert_msg(strstr(output, "tank \"A\"\n") && strstr(output, "time              0.25 s") &&
                     strstr(output, "50: 40 fluid, 10 boundary") &&
                     strstr(output, "fluid    extent   (0, 0.02, 0.04) to (0.78, 0.8, 0.82) m") &&
                     strstr(output, "1 (one per rank), 50 to 50") &&
-                    strstr(output, "kg/m3    1000 to 1039\n") && strstr(output, "m/s      magnitude"),
+                    strstr(output, "kg/m3    1000 to 1039, mean 1019.5\n") &&
+                    strstr(output, "m/s      magnitude"),
                 "%s", output);
-  ck_assert_int_eq(hc_info_print(directory, stdout, &error), HC_BAD_INPUT);
+  ck_assert_int_eq(hc_info_print(directory, false, stdout, &error), HC_BAD_INPUT);
+}
+END_TEST
+
+START_TEST(info_adds_up) {
+  scene.gravity[2] = -10;
+  fluid.density[7] = NAN;
+  write_snapshot(0);
+  /* velocity_k = 0.1 k + axis, z_k = 0.02 (k + 2), 40 particles of 0.5 kg */
+  info(false);
+  ck_assert_msg(strstr(output, "mass              20 kg (0.5 kg a particle)\n") &&
+                    strstr(output, "momentum          (39, 59, 79) kg m/s\n") &&
+                    strstr(output, "potential energy  86 J\n") &&
+                    strstr(output, "1000 to 1039, mean nan, 1 not a number\n"),
+                "%s", output);
+  double twice_kinetic = 0;
+  for (int k = 0; k < 3 * FLUID; k++) twice_kinetic += 0.5 * pow(fluid.velocity[k], 2);
+  const char *kinetic = strstr(output, "kinetic energy");
+  ck_assert_double_eq_tol(strtod(kinetic + 14, NULL), 0.5 * twice_kinetic, 1e-9);
+  scene.output.snapshot_field_count = 0;
+  write_snapshot(0);
+  info(false);
+  ck_assert_msg(strstr(output, "mass   ") && !strstr(output, "momentum") && !strstr(output, "kinetic"), "%s",
+                output);
+}
+END_TEST
+
+START_TEST(info_as_json) {
+  scene.output.snapshot_field_count = 2;
+  write_snapshot(0);
+  info(true);
+  ck_assert_msg(strstr(output, "\"scene\":\"tank \\\"A\\\"\",\"step\":5,\"pieces\":1,\"particles\":50,") &&
+                    strstr(output, "\"mass\":20,") && strstr(output, "\"gravity\":[0,0,0]") &&
+                    strstr(output, "\"boundary\":{\"low\":[0,0.02,0.04],\"high\":[0.18,0.2,0.22]}") &&
+                    strstr(output,
+                           "{\"name\":\"density\",\"type\":\"float32\",\"components\":1,\"unit\":"
+                           "\"kg/m3\",\"kinds\":[\"fluid\"],\"min\":1000,\"mean\":1019.5,\"max\":1039,"
+                           "\"not_numbers\":0}"),
+                "%s", output);
+  hc_particles_resize(&boundary, 0);
+  scene.output.snapshot_field_count = 0;
+  write_snapshot(0);
+  info(true);
+  ck_assert_msg(strstr(output, "\"boundary\":null}") && strstr(output, "\"momentum\":[null,null,null]") &&
+                    strstr(output, "\"kinetic_energy\":null"),
+                "%s", output);
+}
+END_TEST
+
+/* Files that were written before particles had a mass in them. */
+START_TEST(an_older_file_lacks_the_mass) {
+  write_snapshot(0);
+  write_snapshot(1);
+  const hid_t file = H5Fopen(path_of(0), H5F_ACC_RDWR, H5P_DEFAULT);
+  ck_assert(H5Adelete_by_name(file, "Halocline", "particle_mass", H5P_DEFAULT) >= 0);
+  H5Fclose(file);
+  info(false);
+  ck_assert_msg(!strstr(output, "mass") && !strstr(output, "energy"), "%s", output);
+  ck_assert_int_eq(diff(0, false), HC_DIFF_SAME);
 }
 END_TEST
 
@@ -315,7 +419,12 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, bad_files_are_told_apart);
   tcase_add_test(tests, inconsistent_files_are_refused);
   tcase_add_test(tests, positions_round_trip_to_2_48);
+  tcase_add_test(tests, the_tolerance_is_absolute);
+  tcase_add_test(tests, scenes_that_differ_are_named);
   tcase_add_test(tests, info_tells_what_a_file_holds);
+  tcase_add_test(tests, info_adds_up);
+  tcase_add_test(tests, info_as_json);
+  tcase_add_test(tests, an_older_file_lacks_the_mass);
   Suite *suite = suite_create("io snapshot");
   suite_add_tcase(suite, tests);
   SRunner *runner = srunner_create(suite);
