@@ -17,4 +17,7 @@ int hc_command_fail(const hc_error *error);
 /* Says "halocline: warning: TEXT" on stderr for each. */
 void hc_command_warn(const hc_warnings *warnings);
 
+/* Standard output, written out: a full disk must not look like success. Returns the exit code. */
+int hc_command_finish_output(void);
+
 #endif

@@ -170,18 +170,19 @@ static hc_status fill_world(hc_simulation *simulation, const hc_frame *frame, hc
   return error->status;
 }
 
-/* What the choice of the first step needs to know of the initial state. */
-static void report_start(hc_simulation *simulation) {
-  const hc_particles *fluid = &simulation->world.fluid;
-  double largest = 0.0, force = 0.0;
+double hc_simulation_fastest(const hc_particles *fluid) {
+  double largest = 0.0;
   for (int32_t k = 0; k < fluid->own; k++) {
     const double *v = &fluid->velocity[3 * (size_t)k];
     largest = fmax(largest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   }
-  hc_comm_max_f64(simulation->comm, &largest, 1);
-  for (int axis = 0; axis < 3; axis++)
-    force += simulation->scene->gravity[axis] * simulation->scene->gravity[axis];
-  simulation->report = (hc_step_report){.v_max = sqrt(largest), .force_max = sqrt(force)};
+  return largest;
+}
+
+hc_step_report hc_simulation_start_report(const hc_scene *scene, double v2_max) {
+  double force = 0.0;
+  for (int axis = 0; axis < 3; axis++) force += scene->gravity[axis] * scene->gravity[axis];
+  return (hc_step_report){.v_max = sqrt(v2_max), .force_max = sqrt(force)};
 }
 
 /* Gives the fields that steps derive a meaning in the first snapshot too. */
@@ -222,7 +223,9 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
   }
   fill_derived(&simulation->world);
   simulation->imbalance = hc_domain_imbalance(&simulation->world.domain, &simulation->world.fluid);
-  report_start(simulation);
+  double v2_max = hc_simulation_fastest(&simulation->world.fluid);
+  hc_comm_max_f64(comm, &v2_max, 1);
+  simulation->report = hc_simulation_start_report(scene, v2_max);
   return HC_OK;
 }
 

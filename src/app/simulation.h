@@ -45,6 +45,11 @@ double hc_simulation_memory(const hc_setup_plan *plan, int64_t ranks);
 /* The moment to be written; borrows from the simulation. Local. */
 hc_snapshot hc_simulation_snapshot(const hc_simulation *simulation);
 
+/* What the choice of the first step needs to know of the initial state: v_max and force_max, from the largest
+ * squared speed of all fluid particles, m2/s2; and that of the own ones. Local. */
+hc_step_report hc_simulation_start_report(const hc_scene *scene, double v2_max);
+double hc_simulation_fastest(const hc_particles *fluid);
+
 /* What bounds the steps of a scene. Local. */
 hc_step_settings hc_step_settings_of(const hc_scene *scene);
 

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FLUID_WEIGHT = 16, BOUNDARY_WEIGHT = 1 };
-
 void hc_domain_init(hc_domain *domain, hc_comm *comm, const hc_frame *frame) {
   const int cut_count = comm->size - 1;
   *domain = (hc_domain){comm, frame, 0, hc_alloc((size_t)cut_count, sizeof(hc_brick))};
@@ -75,8 +73,8 @@ static brick_load *gather_loads(hc_domain *domain, const hc_particles *fluid, co
                                 size_t *count) {
   hc_cells loads;
   hc_cells_init(&loads);
-  add_loads(&loads, fluid, FLUID_WEIGHT);
-  add_loads(&loads, boundary, BOUNDARY_WEIGHT);
+  add_loads(&loads, fluid, HC_DOMAIN_FLUID_WEIGHT);
+  add_loads(&loads, boundary, HC_DOMAIN_BOUNDARY_WEIGHT);
   brick_load *mine = hc_alloc((size_t)loads.brick_count, sizeof *mine);
   for (int32_t k = 0; k < loads.brick_count; k++) mine[k] = (brick_load){loads.bricks[k], loads.count[k][0]};
   void *all;

@@ -10,6 +10,9 @@
 #include "comm/comm.h"
 #include "space/cells.h"
 
+/* The load of a particle, as the balance sees it. */
+enum { HC_DOMAIN_FLUID_WEIGHT = 16, HC_DOMAIN_BOUNDARY_WEIGHT = 1 };
+
 typedef struct hc_domain {
   hc_comm *comm;
   const hc_frame *frame;
@@ -27,7 +30,7 @@ int hc_domain_owner(const hc_domain *domain, hc_brick brick);
 /* Largest over mean number of own fluid particles. Collective. */
 double hc_domain_imbalance(hc_domain *domain, const hc_particles *fluid);
 
-/* Cuts anew for equal load, a boundary particle counted as 1/16 of a fluid particle, from particles wherever
+/* Cuts anew for equal load, particles counted by their weights, from particles wherever
  * they are. Collective. The particles must migrate afterwards. Returns the imbalance (of this load) after the
  * cut. */
 double hc_domain_balance(hc_domain *domain, const hc_particles *fluid, const hc_particles *boundary);

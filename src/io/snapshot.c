@@ -146,3 +146,10 @@ hc_status hc_snapshot_write(hc_comm *comm, const hc_snapshot *snapshot, const ch
   }
   return problem.status;
 }
+
+hc_status hc_snapshot_bytes(const hc_scene *scene, int64_t particles, int64_t *bytes, hc_error *error) {
+  hc_error problem = {.status = HC_OK};
+  *bytes = hc_snapshot_layout_estimate(scene, particles, &problem);
+  if (problem.status != HC_OK && error) *error = problem;
+  return problem.status;
+}

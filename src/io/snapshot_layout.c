@@ -19,7 +19,8 @@ enum {
   PLAIN_SLICE = 1 << 24, /* rows of a direct write: below the 2 GiB of one MPI call */
   CHUNK = 65536,         /* rows of a compressed chunk */
   WINDOW = 2 * CHUNK,    /* rows of a compressed write */
-  HEADERS = 65536,       /* room for all metadata; about 20 KiB are used */
+  HEADERS = 65536,       /* room for all metadata */
+  USUAL_HEADERS = 21776, /* what three fields take of it */
   FLUID = 0,
   BOUNDARY = 1
 };
@@ -74,10 +75,23 @@ void hc_snapshot_layout_free(hc_snapshot_layout *layout) {
   hc_free(layout->counts);
 }
 
+/* Of a particle in the columns that are not packed: its point and fields. */
+static int64_t plain_bytes(const hc_snapshot_layout *layout) {
+  int64_t particle = 3 * 8;
+  for (int k = 0; k < layout->field_count; k++) particle += (int64_t)hc_fields[layout->fields[k]].bytes;
+  return particle;
+}
+
+int64_t hc_snapshot_layout_estimate(const hc_scene *scene, int64_t particles, hc_error *problem) {
+  const hc_snapshot snapshot = {.scene = scene};
+  hc_snapshot_layout layout = {.snapshot = &snapshot, .problem = problem};
+  resolve_fields(&layout);
+  return particles * plain_bytes(&layout) + particles * 15 / 100 + USUAL_HEADERS;
+}
+
 int64_t hc_snapshot_layout_bytes(const hc_snapshot_layout *layout) {
   const int64_t total = layout->fluid + layout->boundary;
-  int64_t particle = 3 * 8 + 8 + 8 + 1 + 1; /* points, connectivity, offsets, types, kind */
-  for (int k = 0; k < layout->field_count; k++) particle += (int64_t)hc_fields[layout->fields[k]].bytes;
+  const int64_t particle = plain_bytes(layout) + 8 + 8 + 1 + 1; /* connectivity, offsets, types, kind */
   /* One more chunk of each compressed column: the last one is stored whole. */
   const int64_t chunk = total < CHUNK ? total : CHUNK;
   return total * particle + (int64_t)layout->comm->size * 5 * 8 + chunk * (8 + 8 + 1 + 1) + HEADERS;

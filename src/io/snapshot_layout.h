@@ -38,6 +38,9 @@ void hc_snapshot_layout_free(hc_snapshot_layout *layout);
 /* Bytes that the file can have at most, headers included. Local. */
 int64_t hc_snapshot_layout_bytes(const hc_snapshot_layout *layout);
 
+/* See hc_snapshot_bytes. Local; may set `problem`. */
+int64_t hc_snapshot_layout_estimate(const hc_scene *scene, int64_t particles, hc_error *problem);
+
 /* Creates groups, attributes and datasets in layout->file. Collective; may set `problem`. */
 void hc_snapshot_layout_define(hc_snapshot_layout *layout);
 

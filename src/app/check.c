@@ -1,0 +1,184 @@
+/* halocline check: what a run would be, for people or as one JSON object.
+ *
+ * The keys of the JSON object: scene, particle_spacing, support_radius, end_time; fluid, boundary: particles;
+ * blocks, walls: lists of {name, particles, extent}; extents: {fluid, boundary, all}; an extent is {low [3],
+ * high [3]} of the particles' positions in m, or null where there are none; periodic [3]: {low, high} in m or
+ * null for each axis; first_step: {dt, bound}; steps, steps_exact (else they are the fewest); ranks;
+ * memory_per_rank: bytes, {total, program, fluid, boundary, ghosts, writing}; output: {snapshots,
+ * snapshot_bytes, total_bytes}. Estimates are those of estimate.h. */
+#include "commands.h"
+#include "estimate.h"
+#include "io/text.h"
+#include "scene_input.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+static const double mebibyte = 1048576.0;
+
+typedef struct source_name {
+  char text[HC_NAME_LENGTH + 40];
+} source_name;
+
+static source_name block_name(int number) {
+  source_name name;
+  snprintf(name.text, sizeof name.text, "fluid.blocks[%d]", number);
+  return name;
+}
+
+/* A wall's own name, if it has one, is what a user knows it by. */
+static source_name wall_name(const hc_scene *scene, int number) {
+  source_name name;
+  const char *own = scene->boundary.walls[number].name;
+  snprintf(name.text, sizeof name.text, *own ? "boundary.walls[%d] %s" : "boundary.walls[%d]", number, own);
+  return name;
+}
+
+/* ---- text ---- */
+
+static void put_set(const char *name, const hc_estimate_set *set) {
+  const double *low = set->low, *high = set->high;
+  printf("%-19s %" PRId64, name, set->count);
+  if (set->count > 0)
+    printf(", (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g) m", low[0], low[1], low[2], high[0], high[1], high[2]);
+  printf("\n");
+}
+
+static void put_particles(const hc_scene *scene, const hc_estimate *estimate) {
+  put_set("fluid particles", &estimate->fluid);
+  for (int k = 0; k < scene->fluid.block_count; k++) {
+    printf("  ");
+    put_set(block_name(k).text, &estimate->blocks[k]);
+  }
+  put_set("boundary particles", &estimate->boundary);
+  for (int k = 0; k < scene->boundary.wall_count; k++) {
+    printf("  ");
+    put_set(wall_name(scene, k).text, &estimate->walls[k]);
+  }
+  put_set("all particles", &estimate->all);
+  for (int axis = 0; axis < 3; axis++)
+    if (scene->domain.periodic[axis])
+      printf("periodic along %c    from %g to %g m\n", "xyz"[axis], scene -> domain.min[axis],
+             scene->domain.max[axis]);
+}
+
+static void put_memory(const hc_estimate *estimate) {
+  const struct {
+    const char *name;
+    double bytes;
+  } parts[] = {{"program", estimate->memory_program},
+               {"fluid", estimate->memory_fluid},
+               {"boundary", estimate->memory_boundary},
+               {"ghosts", estimate->memory_ghosts},
+               {"writing", estimate->memory_writing}};
+  printf("memory per rank     about %.0f MiB on %" PRId64 " rank%s:", estimate->memory / mebibyte,
+         estimate->ranks, estimate->ranks == 1 ? "" : "s");
+  for (size_t k = 0; k < sizeof parts / sizeof *parts; k++)
+    printf("%s %s %.1f", k ? "," : "", parts[k].name, parts[k].bytes / mebibyte);
+  printf("\n");
+}
+
+typedef struct size_text {
+  char text[32];
+} size_text;
+
+static size_text size_of(double bytes) {
+  size_text size;
+  const bool large = bytes >= 1e9;
+  snprintf(size.text, sizeof size.text, "%.2f %s", bytes / (large ? 1e9 : 1e6), large ? "GB" : "MB");
+  return size;
+}
+
+static void put_text(const hc_scene *scene, const hc_estimate *estimate) {
+  char number[HC_TEXT_NUMBER];
+  const bool constant = scene->time_step.control == HC_TIME_CONSTANT;
+  printf("scene               %s\n", scene->name);
+  printf("particle spacing    %g m, support radius %g m\n", scene->particle_spacing, scene->support_radius);
+  put_particles(scene, estimate);
+  printf("first time step     %s s, bounded by: %s\n", hc_text_number(number, estimate->first_step),
+         hc_step_bound_name(estimate->bound));
+  printf("end time            %g s, %s%" PRId64 " steps\n", scene->end_time, constant ? "" : "at least ",
+         estimate->steps);
+  put_memory(estimate);
+  printf("output              about %s: at most %" PRId64 " snapshots of %s\n",
+         size_of(estimate->output_bytes).text, estimate->snapshots, size_of(estimate->snapshot_bytes).text);
+}
+
+/* ---- JSON ---- */
+
+static void put_json_extent(const char *before, const char *name, const hc_estimate_set *set) {
+  hc_text_json_extent(stdout, before, name, set->count > 0, set->low, set->high);
+}
+
+static void put_json_source(int number, const char *name, const hc_estimate_set *set) {
+  printf("%s{\"name\":", number ? "," : "");
+  hc_text_json_string(stdout, name);
+  printf(",\"particles\":%" PRId64, set->count);
+  put_json_extent(",", "extent", set);
+  printf("}");
+}
+
+static void put_json_particles(const hc_scene *scene, const hc_estimate *estimate) {
+  printf(",\"fluid\":%" PRId64 ",\"boundary\":%" PRId64 ",\"blocks\":[", estimate->fluid.count,
+         estimate->boundary.count);
+  for (int k = 0; k < scene->fluid.block_count; k++)
+    put_json_source(k, block_name(k).text, &estimate->blocks[k]);
+  printf("],\"walls\":[");
+  for (int k = 0; k < scene->boundary.wall_count; k++)
+    put_json_source(k, wall_name(scene, k).text, &estimate->walls[k]);
+  printf("],\"extents\":{");
+  put_json_extent("", "fluid", &estimate->fluid);
+  put_json_extent(",", "boundary", &estimate->boundary);
+  put_json_extent(",", "all", &estimate->all);
+  printf("},\"periodic\":[");
+  for (int axis = 0; axis < 3; axis++) {
+    char low[HC_TEXT_NUMBER], high[HC_TEXT_NUMBER];
+    if (axis) printf(",");
+    if (scene->domain.periodic[axis])
+      printf("{\"low\":%s,\"high\":%s}", hc_text_json_number(low, scene->domain.min[axis]),
+             hc_text_json_number(high, scene->domain.max[axis]));
+    else
+      printf("null");
+  }
+  printf("]");
+}
+
+static void put_json(const hc_scene *scene, const hc_estimate *estimate) {
+  char number[HC_TEXT_NUMBER];
+  printf("{\"scene\":");
+  hc_text_json_string(stdout, scene->name);
+  hc_text_json_numbers(stdout, "particle_spacing", 0, &scene->particle_spacing);
+  hc_text_json_numbers(stdout, "support_radius", 0, &scene->support_radius);
+  hc_text_json_numbers(stdout, "end_time", 0, &scene->end_time);
+  put_json_particles(scene, estimate);
+  printf(",\"first_step\":{\"dt\":%s,\"bound\":\"%s\"}", hc_text_json_number(number, estimate->first_step),
+         hc_step_bound_name(estimate->bound));
+  printf(",\"steps\":%" PRId64 ",\"steps_exact\":%s", estimate->steps,
+         scene->time_step.control == HC_TIME_CONSTANT ? "true" : "false");
+  printf(",\"ranks\":%" PRId64 ",\"memory_per_rank\":{\"total\":%.0f,\"program\":%.0f,\"fluid\":%.0f,"
+         "\"boundary\":%.0f,\"ghosts\":%.0f,\"writing\":%.0f}",
+         estimate->ranks, estimate->memory, estimate->memory_program, estimate->memory_fluid,
+         estimate->memory_boundary, estimate->memory_ghosts, estimate->memory_writing);
+  printf(",\"output\":{\"snapshots\":%" PRId64 ",\"snapshot_bytes\":%.0f,\"total_bytes\":%.0f}}\n",
+         estimate->snapshots, estimate->snapshot_bytes, estimate->output_bytes);
+}
+
+int hc_command_check(const hc_options *options) {
+  hc_error error = {.status = HC_OK};
+  hc_scene scene;
+  hc_estimate estimate;
+  const char *names[HC_FIELD_COUNT];
+  const hc_scene_limits limits = hc_scene_input_limits(names);
+  hc_warnings warnings = {0};
+  hc_scene_read(&scene, options->files[0], options->overrides, options->override_count, &limits, &warnings,
+                &error);
+  hc_command_warn(&warnings);
+  hc_warnings_free(&warnings);
+  if (error.status != HC_OK) return hc_command_fail(&error);
+  if (hc_estimate_make(&scene, options->ranks, &estimate, &error) == HC_OK) {
+    (options->json ? put_json : put_text)(&scene, &estimate);
+    hc_estimate_free(&estimate);
+  }
+  hc_scene_free(&scene);
+  return error.status == HC_OK ? hc_command_finish_output() : hc_command_fail(&error);
+}
