@@ -6,6 +6,7 @@
 #include "setup/world_frame.h"
 #include "simulation.h"
 
+#include <limits.h>
 #include <math.h>
 
 /* Bytes; see the head of estimate.h. */
@@ -25,41 +26,64 @@ enum { AT_A_TIME = 1 << 18 }; /* particles made in one go */
 
 /* ---- particles ---- */
 
+/* A set while it is counted, in units. */
+typedef struct tally {
+  int64_t count, low[3], high[3];
+} tally;
+
+static tally *no_tallies(int count) {
+  tally *tallies = hc_alloc((size_t)count, sizeof *tallies);
+  for (int k = 0; k < count; k++)
+    tallies[k] = (tally){0, {INT64_MAX, INT64_MAX, INT64_MAX}, {INT64_MIN, INT64_MIN, INT64_MIN}};
+  return tallies;
+}
+
+static void count_particles(const hc_particles *particles, tally *sources, int source_count) {
+  for (int32_t k = 0; k < particles->own; k++) {
+    const int64_t source = hc_id_source_of(particles->id[k]);
+    HC_CHECK(source < source_count, "particle of source %lld of %d", (long long)source, source_count);
+    const int64_t *position = &particles->position[3 * (size_t)k];
+    tally *into = &sources[source];
+    into->count++;
+    for (int axis = 0; axis < 3; axis++) {
+      if (position[axis] < into->low[axis]) into->low[axis] = position[axis];
+      if (position[axis] > into->high[axis]) into->high[axis] = position[axis];
+    }
+  }
+}
+
+static void merge(hc_estimate_set *into, const hc_estimate_set *set) {
+  into->count += set->count;
+  for (int axis = 0; axis < 3; axis++) {
+    into->low[axis] = fmin(into->low[axis], set->low[axis]);
+    into->high[axis] = fmax(into->high[axis], set->high[axis]);
+  }
+}
+
 static hc_estimate_set empty_set(void) {
   return (hc_estimate_set){0, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 }
 
-static void take_in(hc_estimate_set *set, const double x[3]) {
-  set->count++;
-  for (int axis = 0; axis < 3; axis++) {
-    set->low[axis] = fmin(set->low[axis], x[axis]);
-    set->high[axis] = fmax(set->high[axis], x[axis]);
-  }
-}
-
-static void count_particles(const hc_frame *frame, const hc_particles *particles, hc_estimate_set *kind,
-                            hc_estimate_set *sources, int source_count, hc_estimate_set *all) {
-  for (int32_t k = 0; k < particles->own; k++) {
-    const int64_t source = hc_id_source_of(particles->id[k]);
-    HC_CHECK(source < source_count, "particle of source %lld of %d", (long long)source, source_count);
-    double x[3];
-    for (int axis = 0; axis < 3; axis++)
-      x[axis] = hc_frame_to_metres(frame, axis, particles->position[3 * (size_t)k + axis]);
-    take_in(kind, x);
-    take_in(&sources[source], x);
-    take_in(all, x);
-  }
-}
-
-static hc_estimate_set *empty_sets(int count) {
+/* The tallies in metres, and all of them together. */
+static hc_estimate_set *sets_of(const hc_frame *frame, const tally *tallies, int count,
+                                hc_estimate_set *together) {
   hc_estimate_set *sets = hc_alloc((size_t)count, sizeof *sets);
-  for (int k = 0; k < count; k++) sets[k] = empty_set();
+  *together = empty_set();
+  for (int k = 0; k < count; k++) {
+    sets[k] = empty_set();
+    sets[k].count = tallies[k].count;
+    for (int axis = 0; axis < 3 && tallies[k].count > 0; axis++) {
+      sets[k].low[axis] = hc_frame_to_metres(frame, axis, tallies[k].low[axis]);
+      sets[k].high[axis] = hc_frame_to_metres(frame, axis, tallies[k].high[axis]);
+    }
+    merge(together, &sets[k]);
+  }
   return sets;
 }
 
 /* Makes all particles, part by part. */
-static hc_status survey(const hc_scene *scene, const hc_setup_plan *plan, hc_estimate *estimate,
-                        double *v2_max, hc_error *error) {
+static hc_status survey(const hc_setup_plan *plan, tally *blocks, tally *walls, double *v2_max,
+                        hc_error *error) {
   const int64_t most = plan->fluid_count > plan->boundary_count ? plan->fluid_count : plan->boundary_count;
   const int parts = (int)(most / AT_A_TIME) + 1;
   hc_particles fluid, boundary;
@@ -70,14 +94,27 @@ static hc_status survey(const hc_scene *scene, const hc_setup_plan *plan, hc_est
   for (int part = 0; status == HC_OK && part < parts; part++) {
     status = hc_setup_generate(plan, part, parts, &fluid, &boundary, error);
     if (status != HC_OK) break;
-    count_particles(&plan->frame, &fluid, &estimate->fluid, estimate->blocks, scene->fluid.block_count,
-                    &estimate->all);
-    count_particles(&plan->frame, &boundary, &estimate->boundary, estimate->walls, scene->boundary.wall_count,
-                    &estimate->all);
+    count_particles(&fluid, blocks, plan->fluid_sources);
+    count_particles(&boundary, walls, plan->boundary_sources);
     *v2_max = fmax(*v2_max, hc_simulation_fastest(&fluid));
   }
   hc_particles_free(&fluid);
   hc_particles_free(&boundary);
+  return status;
+}
+
+static hc_status estimate_particles(const hc_setup_plan *plan, hc_estimate *estimate, double *v2_max,
+                                    hc_error *error) {
+  tally *blocks = no_tallies(plan->fluid_sources), *walls = no_tallies(plan->boundary_sources);
+  const hc_status status = survey(plan, blocks, walls, v2_max, error);
+  if (status == HC_OK) {
+    estimate->blocks = sets_of(&plan->frame, blocks, plan->fluid_sources, &estimate->fluid);
+    estimate->walls = sets_of(&plan->frame, walls, plan->boundary_sources, &estimate->boundary);
+    estimate->all = estimate->fluid;
+    merge(&estimate->all, &estimate->boundary);
+  }
+  hc_free(blocks);
+  hc_free(walls);
   return status;
 }
 
@@ -116,12 +153,13 @@ static void estimate_memory(const hc_scene *scene, hc_estimate *estimate) {
   const double ranks = (double)estimate->ranks;
   const double fluid = (double)estimate->fluid.count, boundary = (double)estimate->boundary.count;
   const double uneven = fmin(scene->parallel.rebalance_above, ranks);
-  const double load = (HC_DOMAIN_FLUID_WEIGHT * fluid + HC_DOMAIN_BOUNDARY_WEIGHT * boundary) / ranks;
-  const double own_fluid = fluid / ranks * uneven;
+  const double load =
+      (HC_DOMAIN_FLUID_WEIGHT * fluid + HC_DOMAIN_BOUNDARY_WEIGHT * boundary) / ranks * uneven;
   const double own_boundary = fmin(boundary, load / HC_DOMAIN_BOUNDARY_WEIGHT);
+  const double own_fluid = (load - HC_DOMAIN_BOUNDARY_WEIGHT * own_boundary) / HC_DOMAIN_FLUID_WEIGHT;
   const int axis = longest_axis(&estimate->all);
   double ghosts = 0.0;
-  if (fluid > 0) ghosts += own_fluid * ghost_share(scene, &estimate->fluid, axis, estimate->ranks);
+  if (fluid > 0) ghosts += fluid / ranks * ghost_share(scene, &estimate->fluid, axis, estimate->ranks);
   if (boundary > 0)
     ghosts += boundary / ranks * ghost_share(scene, &estimate->boundary, axis, estimate->ranks);
   estimate->memory_program = PROGRAM;
@@ -152,22 +190,18 @@ static hc_status estimate_output(const hc_scene *scene, hc_estimate *estimate, h
 hc_status hc_estimate_make(const hc_scene *scene, int64_t ranks, hc_estimate *estimate, hc_error *error) {
   hc_frame frame;
   hc_setup_plan plan;
+  double v2_max;
+  *estimate = (hc_estimate){.ranks = ranks};
   if (hc_setup_frame(scene, &frame, error) != HC_OK) return error->status;
   if (hc_setup_plan_make(scene, &frame, &plan, error) != HC_OK) return error->status;
-  *estimate = (hc_estimate){.fluid = empty_set(),
-                            .boundary = empty_set(),
-                            .all = empty_set(),
-                            .blocks = empty_sets(scene->fluid.block_count),
-                            .walls = empty_sets(scene->boundary.wall_count),
-                            .ranks = ranks};
-  double v2_max;
-  hc_status status = survey(scene, &plan, estimate, &v2_max, error);
+  const int size = ranks < INT_MAX ? (int)ranks : INT_MAX;
+  hc_status status = hc_setup_check_share(&plan, size - 1, size, error); /* the largest is the last */
+  if (status == HC_OK) status = estimate_particles(&plan, estimate, &v2_max, error);
   hc_setup_plan_free(&plan);
-  if (status == HC_OK) {
-    estimate_steps(scene, v2_max, estimate);
-    estimate_memory(scene, estimate);
-    status = estimate_output(scene, estimate, error);
-  }
+  if (status != HC_OK) return status;
+  estimate_steps(scene, v2_max, estimate);
+  estimate_memory(scene, estimate);
+  status = estimate_output(scene, estimate, error);
   if (status != HC_OK) hc_estimate_free(estimate);
   return status;
 }

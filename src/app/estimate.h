@@ -4,13 +4,13 @@
  * Particles: all of them are made, a few at a time, and counted; nothing is derived from volumes.
  *
  * Memory, of the rank that needs most, at its highest, bytes: PROGRAM + FLUID f + WALL b + GHOST g +
- * WRITING min(f + b, one slice of a snapshot), with f = fluid particles / ranks times the imbalance that
- * starts a rebalance, b = as many boundary particles as weigh a rank's share of the load (a slab with no
- * fluid in it holds the more wall), g = the particles within a support radius of the faces of a rank's slab
- * and of periodic borders, from the extents at the start. The constants stand in estimate.c. Measured on the
- * scenes at hand, from 1,000 to 240,000 particles on 1 and 3 ranks, with the libraries of Debian 12: within
- * 13 %. Known weakness: PROGRAM is mostly the MPI library's, which may take more elsewhere; spray costs more
- * than a body of water.
+ * WRITING min(f + b, one slice of a snapshot). f and b are the fluid and boundary particles of a rank that
+ * has its share of the load (as the balance weighs it) times the imbalance that starts a rebalance, and as
+ * much of it in walls as there are: a slab with little fluid in it holds the more wall. g are the particles
+ * within a support radius of the faces of a slab and of periodic borders, from the extents at the start. The
+ * constants stand in estimate.c. Measured on the scenes at hand, from 1,000 to 240,000 particles on 1 and 3
+ * ranks, with the libraries of Debian 12: within 13 %. Known weakness: PROGRAM is mostly the MPI library's,
+ * which may take more elsewhere; spray costs more than a body of water.
  *
  * Files: snapshots are as many as asked for, or fewer where steps are longer than their interval; a
  * snapshot's size is right to a few per cent, its packed columns take next to nothing. The tables are counted
@@ -41,7 +41,8 @@ typedef struct hc_estimate {
 } hc_estimate;
 
 /* Estimates a run on so many ranks; freed with hc_estimate_free. HC_BAD_INPUT: the scene's particles cannot
- * be made; then nothing needs freeing. Local; time grows with the particles, memory does not. */
+ * be made, or not on so few ranks; then nothing needs freeing. Local; time grows with the particles, memory
+ * does not. */
 hc_status hc_estimate_make(const hc_scene *scene, int64_t ranks, hc_estimate *estimate, hc_error *error);
 void hc_estimate_free(hc_estimate *estimate);
 

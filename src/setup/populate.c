@@ -243,18 +243,28 @@ void hc_setup_velocities(const hc_setup_plan *plan, hc_particles *fluid) {
   }
 }
 
-hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_particles *fluid,
-                            hc_particles *boundary, hc_error *error) {
-  int64_t fluid_first, fluid_last, boundary_first, boundary_last;
-  hc_setup_share(plan->fluid_count, rank, size, &fluid_first, &fluid_last);
-  hc_setup_share(plan->boundary_count, rank, size, &boundary_first, &boundary_last);
-  const int64_t fluid_own = fluid_last - fluid_first, boundary_own = boundary_last - boundary_first;
+hc_status hc_setup_check_share(const hc_setup_plan *plan, int rank, int size, hc_error *error) {
+  int64_t first, last;
+  hc_setup_share(plan->fluid_count, rank, size, &first, &last);
+  const int64_t fluid_own = last - first;
+  hc_setup_share(plan->boundary_count, rank, size, &first, &last);
+  const int64_t boundary_own = last - first;
   if (fluid_own > max_own || boundary_own > max_own)
     return hc_error_set(error, HC_BAD_INPUT,
                         "a rank can hold at most %lld particles of a kind; rank %d of %d would get %lld of "
                         "the fluid and %lld of the "
                         "boundary: use more ranks or a larger particle_spacing",
                         (long long)max_own, rank, size, (long long)fluid_own, (long long)boundary_own);
+  return HC_OK;
+}
+
+hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_particles *fluid,
+                            hc_particles *boundary, hc_error *error) {
+  const hc_status status = hc_setup_check_share(plan, rank, size, error);
+  if (status) return status;
+  int64_t fluid_first, fluid_last, boundary_first, boundary_last;
+  hc_setup_share(plan->fluid_count, rank, size, &fluid_first, &fluid_last);
+  hc_setup_share(plan->boundary_count, rank, size, &boundary_first, &boundary_last);
   generate(plan, plan->fluid, plan->fluid_sources, fluid_first, fluid_last, fluid);
   hc_setup_velocities(plan, fluid);
   generate(plan, plan->boundary, plan->boundary_sources, boundary_first, boundary_last, boundary);

@@ -45,6 +45,10 @@ void hc_setup_plan_free(hc_setup_plan *plan);
 /* The range [first, last) of `count` things that falls to a rank. */
 void hc_setup_share(int64_t count, int rank, int size, int64_t *first, int64_t *last);
 
+/* Whether a rank can hold its share of the plan: HC_BAD_INPUT for more than 2^31 - 64 particles of a kind.
+ * Local. */
+hc_status hc_setup_check_share(const hc_setup_plan *plan, int rank, int size, hc_error *error);
+
 /* Replaces what the two stores hold by the rank's share of the plan: position (wrapped into the periods;
  * fluid shifted off its lattice as the scene asks), id (kind, source, index in the source) and velocity; all
  * other state is 0. Together the shares of all ranks

@@ -121,6 +121,8 @@ output: {snapshots: {every: 0, fields: []}}
     empty = check(case, scene, 2, ("fluid.blocks=[]", "boundary.walls=[]"))
     c.expect(empty["fluid"] == 0 and empty["extents"]["all"] is None, f"an empty scene: {empty}")
     case.call(["check", scene, "--set", "end_time=-1", "--json"], expected=2)
+    text = case.call(["check", scene, "--set", "particle_spacing=0.0001", "--set", "support_radius=0.0002"], expected=2)
+    c.expect("a rank can hold at most" in text, f"more particles than a rank can hold: {text}")
     return "blocks, walls, first step and empty scenes are right"
 
 
