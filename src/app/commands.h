@@ -3,6 +3,7 @@
 #define HC_COMMANDS_H
 
 #include "halocline/error.h"
+#include "base/warnings.h"
 #include "options.h"
 
 int hc_command_run(const hc_options *options);
