@@ -11,6 +11,7 @@
 START_TEST(ranks_are_what_the_launcher_said) {
   EXPECT(comm.rank >= 0 && comm.rank < comm.size);
   EXPECT(comm.size == 1 || hc_comm_launched_rank() == comm.rank);
+  EXPECT(hc_comm_machine_ranks(&comm) == comm.size); /* tests run on one machine */
 }
 END_TEST
 
