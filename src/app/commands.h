@@ -2,8 +2,8 @@
 #ifndef HC_COMMANDS_H
 #define HC_COMMANDS_H
 
-#include "halocline/error.h"
 #include "base/warnings.h"
+#include "halocline/error.h"
 #include "options.h"
 
 int hc_command_run(const hc_options *options);

@@ -1,6 +1,7 @@
 #include "scene_input.h"
 
 #include "base/memory.h"
+#include "setup/review.h"
 
 #include <string.h>
 
@@ -9,7 +10,7 @@ hc_scene_limits hc_scene_input_limits(const char **names) {
   for (int field = 0; field < HC_FIELD_COUNT; field++)
     if ((hc_fields[field].flags & HC_SNAPSHOT) && field != HC_FIELD_id)
       names[count++] = hc_fields[field].name;
-  return (hc_scene_limits){names, count};
+  return (hc_scene_limits){names, count, hc_setup_review};
 }
 
 /* What the ranks must know before the words themselves come. */

@@ -14,7 +14,8 @@ typedef struct hc_scene_input {
   int override_count;
 } hc_scene_input;
 
-/* Names that output.snapshots.fields may hold. `names` has room for HC_FIELD_COUNT. Local. */
+/* What the reader cannot know: names that output.snapshots.fields may hold, and how a scene is reviewed.
+ * `names` has room for HC_FIELD_COUNT. Local. */
 hc_scene_limits hc_scene_input_limits(const char **names);
 
 /* Rank 0 loads the input, every rank reads it. Collective; HC_BAD_INPUT is agreed, the scene then empty.

@@ -51,10 +51,10 @@ static double default_sound_speed(const hc_scene *scene) {
   double gravity = 0.0, height = 0.0;
   for (int axis = 0; axis < 3; axis++) gravity += scene->gravity[axis] * scene->gravity[axis];
   for (int block = 0; block < scene->fluid.block_count; block++) {
-    const hc_box *box = &scene->fluid.blocks[block].box;
+    const hc_box box = hc_source_block_bounds(&scene->fluid.blocks[block]);
     double extent = 0.0;
     for (int axis = 0; axis < 3; axis++)
-      extent += (box->max[axis] - box->min[axis]) *
+      extent += (box.max[axis] - box.min[axis]) *
                 (gravity > 0.0 ? fabs(scene->gravity[axis]) / sqrt(gravity) : 1.0);
     height = fmax(height, extent);
   }

@@ -1,9 +1,10 @@
 #include "sampling.h"
 
 #include "base/check.h"
+#include "base/memory.h"
+#include "base/turns.h"
 
 #include <math.h>
-#include <string.h>
 
 /* More along an axis is refused, which keeps every product below in 64 bits. */
 #define MAX_CELLS ((int64_t)1 << 30)
@@ -21,6 +22,10 @@ typedef struct segment {
 
 static double slack(double ratio) {
   return fmin(length_tolerance * (1 + ratio), 0.25);
+}
+
+double hc_sampling_whole(double ratio) {
+  return floor(ratio + slack(ratio));
 }
 
 static double spacings(const hc_lattice *lattice, int axis, double length) {
@@ -89,7 +94,7 @@ hc_sampling hc_sampling_block(const hc_lattice *lattice, const double min[3], co
   int64_t cells[3];
   for (int a = 0; a < 3; a++) {
     const double ratio = spacings(lattice, a, max[a] - min[a]);
-    cells[a] = to_cells(ratio > 0 ? floor(ratio + slack(ratio)) : 0);
+    cells[a] = to_cells(ratio > 0 ? hc_sampling_whole(ratio) : 0);
     const int64_t spacing = lattice->spacing[a];
     if (cells[a] > 0)
       sampling.axis[a] = centred_axis(to_units(lattice, a, min[a]), cells[a] * spacing, cells[a], spacing);
@@ -156,46 +161,20 @@ hc_sampling hc_sampling_solid(const hc_lattice *lattice, const double min[3], co
   return sampling;
 }
 
-static double length_of(const double v[3]) {
-  return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
-static void oblique_plane(hc_sampling *sampling, const hc_lattice *lattice, const double point[3],
-                          const double unit_normal[3], int axis, const double size[2]) {
-  const double *const n = unit_normal;
-  const int next = (axis + 1) % 3;
-  double tangent[2][3];
-  for (int a = 0; a < 3; a++) tangent[0][a] = (a == next) - n[next] * n[a];
-  const double length = length_of(tangent[0]);
-  for (int a = 0; a < 3; a++) tangent[0][a] /= length;
-  for (int a = 0; a < 3; a++) {
-    const int b = (a + 1) % 3, c = (a + 2) % 3;
-    tangent[1][a] = n[b] * tangent[0][c] - n[c] * tangent[0][b];
-  }
-  sampling->oblique = true;
-  for (int t = 0; t < 2; t++) sampling->cells[t] = nearest_cells(spacings(lattice, axis, size[t]));
-  for (int a = 0; a < 3; a++) {
-    sampling->centre[a] = to_units(lattice, a, point[a]) - llrint(0.5 * n[a] * (double)lattice->spacing[a]);
-    for (int t = 0; t < 2; t++) sampling->edges[t][a] = tangent[t][a] * size[t] / lattice->unit[a];
-  }
-  add_part(sampling, (const int64_t[3]){0, 0, 0},
-           (const int64_t[3]){sampling->cells[0], sampling->cells[1], 1});
-}
-
 hc_sampling hc_sampling_plane(const hc_lattice *lattice, const double point[3], const double normal[3],
                               const double size[2]) {
-  hc_sampling sampling = {0};
-  const double length = length_of(normal);
-  HC_CHECK(length > 0 && isfinite(length), "a plane's normal needs a length, got %g", length);
-  const double unit_normal[3] = {normal[0] / length, normal[1] / length, normal[2] / length};
+  const hc_shape shape = hc_shape_rectangle(point, normal, size);
   int axis = 0;
-  for (int a = 1; a < 3; a++)
-    if (fabs(unit_normal[a]) > fabs(unit_normal[axis])) axis = a;
-  const int along[2] = {(axis + 1) % 3, (axis + 2) % 3};
-  if (fabs(unit_normal[along[0]]) > 1e-12 || fabs(unit_normal[along[1]]) > 1e-12) {
-    oblique_plane(&sampling, lattice, point, unit_normal, axis, size);
-    return sampling;
+  while (axis < 2 && fabs(shape.axes[2][axis]) < 1) axis++;
+  if (fabs(shape.axes[2][axis]) < 1) {
+    static const double middle[3] = {0, 0, 0}, up[3] = {0, 0, 1};
+    const hc_lattice own = hc_sampling_own_lattice(lattice);
+    hc_sampling turned = hc_sampling_plane(&own, middle, up, size);
+    hc_sampling_turn(&turned, lattice, &shape);
+    return turned;
   }
+  const int along[2] = {(axis + 1) % 3, (axis + 2) % 3};
+  hc_sampling sampling = {0};
   int64_t cells[3];
   for (int t = 0; t < 2; t++) {
     const int a = along[t];
@@ -211,30 +190,155 @@ hc_sampling hc_sampling_plane(const hc_lattice *lattice, const double point[3], 
   return sampling;
 }
 
+hc_lattice hc_sampling_own_lattice(const hc_lattice *lattice) {
+  hc_lattice own = {0};
+  for (int a = 0; a < 3; a++) {
+    own.unit[a] = lattice->unit[0];
+    own.spacing[a] = lattice->spacing[0];
+  }
+  return own;
+}
+
+void hc_sampling_turn(hc_sampling *sampling, const hc_lattice *lattice, const hc_shape *shape) {
+  sampling->turned = true;
+  for (int a = 0; a < 3; a++) {
+    sampling->centre[a] = to_units(lattice, a, shape->centre[a]);
+    for (int t = 0; t < 3; t++)
+      sampling->turn[a][t] = shape->axes[t][a] * lattice->unit[0] / lattice->unit[a];
+  }
+}
+
+void hc_sampling_add_run(hc_sampling *sampling, const hc_sampling_run *run) {
+  if (run->count <= 0 || run->repeat <= 0 || sampling->count == INT64_MAX) return;
+  hc_reserve((void **)&sampling->runs, &sampling->run_room, 2 * (size_t)sampling->run_count + 1,
+             (size_t)sampling->run_count, sizeof *run);
+  hc_sampling_run *const added = &sampling->runs[sampling->run_count++];
+  *added = *run;
+  added->first = sampling->count;
+  int64_t points = 0;
+  const bool too_many = run->count >= MAX_CELLS || run->repeat >= MAX_CELLS ||
+                        __builtin_mul_overflow(run->count, run->repeat, &points) ||
+                        __builtin_add_overflow(sampling->count, points, &sampling->count);
+  if (too_many || sampling->count > MAX_POINTS) sampling->count = INT64_MAX;
+}
+
+void hc_sampling_free(hc_sampling *sampling) {
+  hc_free(sampling->runs);
+  *sampling = (hc_sampling){0};
+}
+
 int64_t hc_sampling_count(const hc_sampling *sampling) {
   return sampling->count;
 }
 
-static int64_t oblique_position(const hc_sampling *sampling, int axis, const int64_t index[2]) {
-  double offset = 0;
-  for (int t = 0; t < 2; t++)
-    offset += sampling->edges[t][axis] * (((double)index[t] + 0.5) / (double)sampling->cells[t] - 0.5);
-  return sampling->centre[axis] + llrint(offset);
+/* From own axes to the frame's. */
+static void turn_into_place(const hc_sampling *sampling, const double own[3], int64_t x[3]) {
+  for (int a = 0; a < 3; a++) {
+    const double *const turn = sampling->turn[a];
+    x[a] = sampling->centre[a] + llrint(turn[0] * own[0] + turn[1] * own[1] + turn[2] * own[2]);
+  }
+}
+
+static void part_position(const hc_sampling *sampling, const int64_t index[3], int64_t x[3]) {
+  for (int a = 0; a < 3; a++) x[a] = axis_position(&sampling->axis[a], index[a]);
+  if (!sampling->turned) return;
+  const double own[3] = {(double)x[0], (double)x[1], (double)x[2]};
+  turn_into_place(sampling, own, x);
+}
+
+static void run_position(const hc_sampling *sampling, const hc_sampling_run *run, int64_t index,
+                         int64_t repetition, int64_t x[3]) {
+  double own[3] = {run->at[0], run->at[1], run->at[2] + (double)repetition * run->rise};
+  if (sampling->rings) {
+    const double turns = (double)index / (double)run->count;
+    own[0] = run->at[0] * hc_turns_cosine(turns);
+    own[1] = run->at[0] * hc_turns_sine(turns);
+  } else {
+    own[0] += (double)index * sampling->pitch;
+  }
+  turn_into_place(sampling, own, x);
+}
+
+static void check_point(const hc_sampling *sampling, int64_t k) {
+  HC_CHECK(k >= 0 && k < sampling->count && sampling->count < INT64_MAX,
+           "sample must lie in [0, %lld), got %lld", (long long)sampling->count, (long long)k);
+}
+
+static const hc_sampling_part *part_of(const hc_sampling *sampling, int64_t k) {
+  int p = sampling->part_count - 1;
+  while (sampling->parts[p].first > k) p--;
+  return &sampling->parts[p];
+}
+
+static const hc_sampling_run *run_of(const hc_sampling *sampling, int64_t k) {
+  int64_t low = 0, high = sampling->run_count; /* runs[low].first <= k, and not so from `high` on */
+  while (high - low > 1) {
+    const int64_t middle = low + (high - low) / 2;
+    *(sampling->runs[middle].first <= k ? &low : &high) = middle;
+  }
+  return &sampling->runs[low];
 }
 
 void hc_sampling_point(const hc_sampling *sampling, int64_t k, int64_t x[3]) {
-  HC_CHECK(k >= 0 && k < sampling->count && sampling->count < INT64_MAX,
-           "sample must lie in [0, %lld), got %lld", (long long)sampling->count, (long long)k);
-  int p = sampling->part_count - 1;
-  while (sampling->parts[p].first > k) p--;
-  const hc_sampling_part *const part = &sampling->parts[p];
+  check_point(sampling, k);
+  if (sampling->run_count > 0) {
+    const hc_sampling_run *const run = run_of(sampling, k);
+    const int64_t in_run = k - run->first;
+    run_position(sampling, run, in_run % run->count, in_run / run->count, x);
+    return;
+  }
+  const hc_sampling_part *const part = part_of(sampling, k);
   const int64_t in_part = k - part->first;
   const int64_t row = in_part / part->count[0];
   const int64_t index[3] = {part->start[0] + in_part % part->count[0], part->start[1] + row % part->count[1],
                             part->start[2] + row / part->count[1]};
-  for (int a = 0; a < 3; a++)
-    x[a] = sampling->oblique ? oblique_position(sampling, a, index)
-                             : axis_position(&sampling->axis[a], index[a]);
+  part_position(sampling, index, x);
+}
+
+int64_t hc_sampling_row_end(const hc_sampling *sampling, int64_t k) {
+  check_point(sampling, k);
+  int64_t first, length;
+  if (sampling->run_count > 0) {
+    const hc_sampling_run *const run = run_of(sampling, k);
+    first = run->first;
+    length = run->count > 1 ? run->count : run->repeat;
+  } else {
+    const hc_sampling_part *const part = part_of(sampling, k);
+    int a = 0;
+    while (a < 2 && part->count[a] == 1) a++;
+    first = part->first;
+    length = part->count[a];
+  }
+  return k + length - (k - first) % length;
+}
+
+static void widen(const int64_t x[3], int64_t low[3], int64_t high[3]) {
+  for (int a = 0; a < 3; a++) {
+    if (x[a] < low[a]) low[a] = x[a];
+    if (x[a] > high[a]) high[a] = x[a];
+  }
+}
+
+static void run_bounds(const hc_sampling *sampling, const hc_sampling_run *run, int64_t low[3],
+                       int64_t high[3]) {
+  for (int end = 0; end < 4; end++) {
+    const int64_t repetition = end & 2 ? run->repeat - 1 : 0;
+    int64_t x[3];
+    if (!sampling->rings) {
+      run_position(sampling, run, end & 1 ? run->count - 1 : 0, repetition, x);
+      widen(x, low, high);
+      continue;
+    }
+    /* The circle, and a unit for what its points are rounded by. */
+    const double middle[3] = {0, 0, run->at[2] + (double)repetition * run->rise};
+    turn_into_place(sampling, middle, x);
+    for (int a = 0; a < 3; a++) {
+      const double *const turn = sampling->turn[a];
+      const int64_t reach = llrint(run->at[0] * sqrt(turn[0] * turn[0] + turn[1] * turn[1])) + 1;
+      if (x[a] - reach < low[a]) low[a] = x[a] - reach;
+      if (x[a] + reach > high[a]) high[a] = x[a] + reach;
+    }
+  }
 }
 
 void hc_sampling_bounds(const hc_sampling *sampling, int64_t low[3], int64_t high[3]) {
@@ -244,17 +348,14 @@ void hc_sampling_bounds(const hc_sampling *sampling, int64_t low[3], int64_t hig
     low[a] = INT64_MAX;
     high[a] = INT64_MIN;
   }
+  for (int64_t r = 0; r < sampling->run_count; r++) run_bounds(sampling, &sampling->runs[r], low, high);
   /* Positions are monotonic in each index, so the corners of the parts are enough. */
   for (int p = 0; p < sampling->part_count; p++)
     for (int corner = 0; corner < 8; corner++) {
       const hc_sampling_part *const part = &sampling->parts[p];
-      int64_t index[3];
+      int64_t index[3], x[3];
       for (int a = 0; a < 3; a++) index[a] = part->start[a] + (corner >> a & 1 ? part->count[a] - 1 : 0);
-      for (int a = 0; a < 3; a++) {
-        const int64_t x = sampling->oblique ? oblique_position(sampling, a, index)
-                                            : axis_position(&sampling->axis[a], index[a]);
-        if (x < low[a]) low[a] = x;
-        if (x > high[a]) high[a] = x;
-      }
+      part_position(sampling, index, x);
+      widen(x, low, high);
     }
 }

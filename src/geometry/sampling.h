@@ -1,22 +1,25 @@
 /* Sample points of boxes and walls, by index: any rank can make any range of them, without making the others.
  *
- * Method: a sampling is a lattice (along each axis a position for each integer index) and a list of disjoint
- * boxes of indices. Its count is the sum of their volumes; point k is found through the box that holds k.
- * Nothing is stored per point, and since the boxes are disjoint no point comes twice.
+ * Method: a sampling is either a lattice (along each axis a position for each integer index) and a list of
+ * disjoint boxes of indices, or a list of runs: straight rows or rings of points, repeated at equal steps.
+ * Its count is the sum over the list; point k is found through the entry that holds k. Nothing is stored per
+ * point, and since the entries are disjoint no point comes twice. Both may be turned as a whole.
  *
- * The surface of a box or plane is the wetted surface; boundary samples lie half a spacing on the far side of
- * it and fluid starts half a spacing on the near side, so the two are one spacing apart.
+ * The surface of a wall is the wetted surface; boundary samples lie half a spacing on the far side of it and
+ * fluid starts half a spacing on the near side, so the two are one spacing apart.
  *
- * Known weakness: samplings know nothing of each other. Where two walls cross, both have samples; a plane
- * ends at its rectangle's rim, so two planes that meet leave the far side of their common edge without
- * samples (a box does not).
+ * Known weakness: samplings know nothing of each other. Where two walls cross, both have samples (setup/
+ * drops the later ones); a plane ends at its rectangle's rim, so two planes that meet leave the far side of
+ * their common edge without samples (a box does not).
  *
  * All functions are local. Lengths and coordinates come in metres, finite and within 2^60 units of the
  * origin. */
 #ifndef HC_SAMPLING_H
 #define HC_SAMPLING_H
 
-#include <stdbool.h>
+#include "shape.h"
+
+#include <stddef.h>
 #include <stdint.h>
 
 /* How metres map to integer units: units = origin + round(metres / unit). Values of hc_frame, see
@@ -42,16 +45,30 @@ typedef struct hc_sampling_part {
 
 enum { HC_SAMPLING_MAX_PARTS = 26 };
 
-/* A sampling is plain data and owns nothing: copy and drop it freely. Read it through the functions below. */
+/* Equal rows or rings, `rise` apart along the third own axis, in units of axis 0. A row: `count` points from
+ * `at` on, one spacing apart along the first own axis. A ring: `count` points about the third own axis, at[0]
+ * its radius, at[2] its height. */
+typedef struct hc_sampling_run {
+  double at[3], rise;
+  int64_t count, repeat;
+  int64_t first; /* points before it */
+} hc_sampling_run;
+
+/* Read it through the functions below; freed with hc_sampling_free, which does nothing for one without runs:
+ * boxes along the axes and planes are plain data. */
 typedef struct hc_sampling {
   int64_t count;
   int part_count;
   hc_sampling_part parts[HC_SAMPLING_MAX_PARTS];
   hc_sampling_axis axis[3];
-  bool oblique;       /* a plane whose normal is not along an axis: positions come from the following */
-  int64_t centre[3];  /* middle of the rectangle of samples, units */
-  double edges[2][3]; /* edge vectors of the rectangle, units */
-  int64_t cells[2];   /* samples along each edge */
+  bool turned;       /* positions are in a shape's own axes, in units of axis 0 from its centre */
+  int64_t centre[3]; /* units */
+  double turn[3][3]; /* turn[a][t]: units along a for each along own axis t */
+  bool rings;        /* the runs are rings */
+  double pitch;      /* between the points of a row */
+  hc_sampling_run *runs;
+  int64_t run_count;
+  size_t run_room;
 } hc_sampling;
 
 /* The fluid lattice in a box: floor(L / spacing) points along each axis, the first half a spacing from `min`,
@@ -73,13 +90,24 @@ hc_sampling hc_sampling_container(const hc_lattice *lattice, const double min[3]
 hc_sampling hc_sampling_solid(const hc_lattice *lattice, const double min[3], const double max[3],
                               unsigned open);
 
-/* A rectangle with its centre at `point`, `normal` into the fluid (any length but 0) and edge lengths `size`
- * along two tangents; round(size / spacing) samples (at least 1) along each, at (i + 1/2) size / n, so that a
- * plane as long as a period closes. Tangents: a is the axis along which the normal is longest (the lowest
- * such axis). Along an axis-aligned normal the tangents are axes a+1 and a+2 (cyclic: x y z x y); else the
- * first is axis a+1 made perpendicular to the normal, the second the cross product of normal and first. */
+/* A rectangle, see hc_shape_rectangle; round(size / spacing) samples (at least 1) along each tangent, at
+ * (i + 1/2) size / n, so that a plane as long as a period closes. */
 hc_sampling hc_sampling_plane(const hc_lattice *lattice, const double point[3], const double normal[3],
                               const double size[2]);
+
+/* How many whole spacings fit into `ratio` spacings, the tolerance for decimal fractions included. */
+double hc_sampling_whole(double ratio);
+
+/* The lattice of a shape's own axes: its centre is the origin, all axes have the units of axis 0. */
+hc_lattice hc_sampling_own_lattice(const hc_lattice *lattice);
+
+/* Brings a sampling from the shape's own lattice into place. */
+void hc_sampling_turn(hc_sampling *sampling, const hc_lattice *lattice, const hc_shape *shape);
+
+/* Appends a run (its `first` is set here); none of no points. */
+void hc_sampling_add_run(hc_sampling *sampling, const hc_sampling_run *run);
+
+void hc_sampling_free(hc_sampling *sampling);
 
 /* Number of points; INT64_MAX if there are more than 2^30 along an edge or 2^62 in all: too many to ask for
  * any. */
@@ -88,7 +116,12 @@ int64_t hc_sampling_count(const hc_sampling *sampling);
 /* Point k of [0, count), in units. */
 void hc_sampling_point(const hc_sampling *sampling, int64_t k, int64_t x[3]);
 
-/* The smallest box that holds all points, in units; count must not be 0. */
+/* The end of the straight row or ring that holds point k: of the points in [k, end) each is at most 1.5
+ * spacings from the one before. */
+int64_t hc_sampling_row_end(const hc_sampling *sampling, int64_t k);
+
+/* The smallest box that holds all points, or the circles on which the points of rings lie, in units; count
+ * must not be 0. */
 void hc_sampling_bounds(const hc_sampling *sampling, int64_t low[3], int64_t high[3]);
 
 #endif

@@ -48,64 +48,52 @@ static bool has_map(const hc_given *given, const char *name) {
   return false;
 }
 
+/* The names of the alternatives in a mask: "a, b, c". */
+static void variants_text(const hc_param_table *table, unsigned mask, char *text, size_t size) {
+  size_t used = 0;
+  text[0] = '\0';
+  for (int k = 0; table->variants[k] && used < size; k++)
+    if (mask >> k & 1)
+      used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", table->variants[k]);
+}
+
 /* The only alternative that is given, or -1 after a complaint. */
 static int find_variant(const hc_given *given, hc_complaints *complaints) {
   const hc_param_table *table = given->table;
-  char names[128] = "", present[128] = "";
+  char names[128], present[128] = "";
   int found = -1, count = 0;
   for (int k = 0; table->variants[k]; k++) {
     const char *name = table->variants[k];
-    snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", k ? ", " : "", name);
     if (!has_map(given, name)) continue;
     snprintf(present + strlen(present), sizeof present - strlen(present), "%s%s", count ? " and " : "", name);
     found = k;
     count++;
   }
   if (count == 1) return found;
+  variants_text(table, ~0u, names, sizeof names);
   const int label = (int)strlen(given->prefix) - 1; /* without its dot */
   hc_complaints_add(complaints, given->place, "%.*s must have exactly one of %s; it has %s", label,
                     given->prefix, names, count ? present : "none");
   return -1;
 }
 
-/* Do items of this type have the key? Complains of keys that are given without, or not given but needed. */
-static bool check_type(hc_given *given, int key, const void *owner, hc_complaints *complaints) {
-  const hc_param_table *table = given->table;
-  const hc_param *param = &table->params[key];
-  hc_given_value *value = &given->values[key];
-  if (!param->types || hc_given_value_of(given, "type")->bad) return true;
-  const int type = *(const int *)((const char *)owner + table->type_offset);
-  const char *name = "";
-  for (const hc_choice *choice = table->types; choice->name; choice++)
-    if (choice->value == type) name = choice->name;
-  if (value->node && !(param->types >> type & 1)) {
-    hc_complaints_add(complaints, value->place, "%s%s is no key of type %s", given->prefix, param->path,
-                      name);
-    value->bad = true;
-  } else if (!value->node && !value->bad && (param->needed >> type & 1)) {
-    hc_complaints_add(complaints, given->place, "missing key '%s%s', required for type %s", given->prefix,
-                      param->path, name);
-    value->bad = true;
-  }
-  return !value->bad;
-}
-
 void hc_fill(hc_given *given, void *owner, const hc_scene_limits *limits, hc_complaints *complaints) {
   if (given->bad) return;
   const hc_param_table *table = given->table;
   int variant = -1;
-  if (table->variants) {
+  if (table->variants && !table->chosen_by_type) {
     variant = find_variant(given, complaints);
     *(int *)((char *)owner + table->variant_offset) = variant < 0 ? 0 : variant;
   }
   for (int k = 0; k < table->count; k++) {
     const hc_param *param = &table->params[k];
     hc_given_value *value = &given->values[k];
-    if (!check_type(given, k, owner, complaints)) continue;
-    const bool applies = param->variant == 0 || param->variant == 1 + variant;
+    const bool applies = hc_params_applies(param, variant);
     if (value->node && !applies && variant >= 0) {
+      char owners[128];
+      variants_text(table, param->only, owners, sizeof owners);
       hc_complaints_add(complaints, value->place, "%s%s is a key of %s, not of %s", given->prefix,
-                        param->path, table->variants[param->variant - 1], table->variants[variant]);
+                        param->path, owners, table->variants[variant]);
     } else if (value->node && param->kind == HC_PARAM_LIST) {
       fill_list(value, param, owner, limits, complaints);
     } else if (value->node) {
@@ -120,8 +108,14 @@ void hc_fill(hc_given *given, void *owner, const hc_scene_limits *limits, hc_com
     } else if (applies && !value->bad && hc_params_required(param)) {
       value->bad = true;
       hc_complaints_add(complaints, given->place, "missing required key '%s%s'", given->prefix, param->path);
+    } else if (variant >= 0 && (param->needed >> variant & 1)) {
+      value->bad = true;
+      hc_complaints_add(complaints, given->place, "missing key '%s%s', required for %s", given->prefix,
+                        param->path, table->variants[variant]);
     } else if (applies) {
       hc_fill_default(param, owner);
     }
+    if (table->chosen_by_type && k == 0 && !value->bad)
+      variant = *(const int *)((const char *)owner + table->variant_offset);
   }
 }

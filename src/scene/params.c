@@ -19,13 +19,9 @@ static const hc_choice flow_types[] = {{"none", HC_FLOW_NONE},
                                        {NULL, 0}};
 static const hc_choice boundary_methods[] = {{"akinci2012", HC_BOUNDARY_AKINCI2012}, {NULL, 0}};
 static const hc_choice insides[] = {{"fluid", HC_INSIDE_FLUID}, {"solid", HC_INSIDE_SOLID}, {NULL, 0}};
-static const hc_choice faces[] = {{"-x", HC_FACE_MINUS_X},
-                                  {"+x", HC_FACE_PLUS_X},
-                                  {"-y", HC_FACE_MINUS_Y},
-                                  {"+y", HC_FACE_PLUS_Y},
-                                  {"-z", HC_FACE_MINUS_Z},
-                                  {"+z", HC_FACE_PLUS_Z},
-                                  {NULL, 0}};
+static const hc_choice faces[] = {{"-x", HC_FACE_MINUS_X}, {"+x", HC_FACE_PLUS_X},  {"-y", HC_FACE_MINUS_Y},
+                                  {"+y", HC_FACE_PLUS_Y},  {"-z", HC_FACE_MINUS_Z}, {"+z", HC_FACE_PLUS_Z},
+                                  {"base", HC_FACE_BASE},  {"top", HC_FACE_TOP},    {NULL, 0}};
 static const hc_choice solver_methods[] = {{"dfsph", HC_SOLVER_DFSPH}, {NULL, 0}};
 static const hc_choice time_controls[] = {{"constant", HC_TIME_CONSTANT}, {"cfl", HC_TIME_CFL}, {NULL, 0}};
 static const hc_choice decompositions[] = {{"slabs", HC_DECOMPOSITION_SLABS}, {NULL, 0}};
@@ -36,7 +32,33 @@ static const hc_choice gauge_types[] = {{"height", HC_GAUGE_HEIGHT},     {"front
                                         {"force", HC_GAUGE_FORCE},       {"energy", HC_GAUGE_ENERGY},
                                         {"volume", HC_GAUGE_VOLUME},     {NULL, 0}};
 
-static const char *const wall_types[] = {[HC_WALL_BOX] = "box", [HC_WALL_PLANE] = "plane", NULL};
+static const char *const gauge_names[] = {[HC_GAUGE_HEIGHT] = "height",     [HC_GAUGE_FRONT] = "front",
+                                          [HC_GAUGE_PRESSURE] = "pressure", [HC_GAUGE_FLOW] = "flow",
+                                          [HC_GAUGE_FORCE] = "force",       [HC_GAUGE_ENERGY] = "energy",
+                                          [HC_GAUGE_VOLUME] = "volume",     NULL};
+enum {
+  HEIGHT = 1 << HC_GAUGE_HEIGHT,
+  FRONT = 1 << HC_GAUGE_FRONT,
+  PRESSURE = 1 << HC_GAUGE_PRESSURE,
+  FLOW = 1 << HC_GAUGE_FLOW,
+  FORCE = 1 << HC_GAUGE_FORCE,
+  ENERGY = 1 << HC_GAUGE_ENERGY,
+  VOLUME = 1 << HC_GAUGE_VOLUME
+};
+
+static const char *const wall_forms[] = {[HC_FORM_BOX] = "box",
+                                         [HC_FORM_CYLINDER] = "cylinder",
+                                         [HC_FORM_SPHERE] = "sphere",
+                                         [HC_FORM_PLANE] = "plane",
+                                         NULL};
+static const char *const block_forms[] = {
+    [HC_FORM_BOX] = "box", [HC_FORM_CYLINDER] = "cylinder", [HC_FORM_SPHERE] = "sphere", NULL};
+enum {
+  BOX = 1 << HC_FORM_BOX,
+  CYLINDER = 1 << HC_FORM_CYLINDER,
+  SPHERE = 1 << HC_FORM_SPHERE,
+  PLANE = 1 << HC_FORM_PLANE
+};
 
 #define ANY                                                                                                  \
   { -INFINITY, INFINITY, false }
@@ -60,7 +82,6 @@ static const char *const wall_types[] = {[HC_WALL_BOX] = "box", [HC_WALL_PLANE] 
    .range = range_,                                                                                          \
    .sentence = sentence_,                                                                                    \
    __VA_ARGS__},
-#define GAUGES(type) (1u << HC_GAUGE_##type)
 #define TABLE(rows) .params = rows, .count = sizeof(rows) / sizeof((rows)[0]), .size = sizeof(OWNER)
 
 #define OWNER hc_block
@@ -68,7 +89,8 @@ static const char *const wall_types[] = {[HC_WALL_BOX] = "box", [HC_WALL_PLANE] 
 static const hc_param block_rows[] = {
 #include "params.def"
 };
-static const hc_param_table block_table = {TABLE(block_rows)};
+static const hc_param_table block_table = {TABLE(block_rows), .variants = block_forms,
+                                           .variant_offset = offsetof(hc_block, form)};
 #undef HC_BLOCK_PARAMS
 #undef OWNER
 
@@ -77,8 +99,8 @@ static const hc_param_table block_table = {TABLE(block_rows)};
 static const hc_param wall_rows[] = {
 #include "params.def"
 };
-static const hc_param_table wall_table = {TABLE(wall_rows), .variants = wall_types,
-                                          .variant_offset = offsetof(hc_wall, type)};
+static const hc_param_table wall_table = {TABLE(wall_rows), .variants = wall_forms,
+                                          .variant_offset = offsetof(hc_wall, form)};
 #undef HC_WALL_PARAMS
 #undef OWNER
 
@@ -87,8 +109,8 @@ static const hc_param_table wall_table = {TABLE(wall_rows), .variants = wall_typ
 static const hc_param gauge_rows[] = {
 #include "params.def"
 };
-static const hc_param_table gauge_table = {TABLE(gauge_rows), .types = gauge_types,
-                                           .type_offset = offsetof(hc_scene_gauge, type)};
+static const hc_param_table gauge_table = {TABLE(gauge_rows), .variants = gauge_names, .chosen_by_type = true,
+                                           .variant_offset = offsetof(hc_scene_gauge, type)};
 #undef HC_GAUGE_PARAMS
 #undef OWNER
 
@@ -115,6 +137,10 @@ int hc_params_length(const hc_param *param) {
   default:
     return 1;
   }
+}
+
+bool hc_params_applies(const hc_param *param, int variant) {
+  return param->only == 0 || (variant >= 0 && (param->only >> variant & 1));
 }
 
 bool hc_params_required(const hc_param *param) {

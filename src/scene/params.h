@@ -52,9 +52,8 @@ typedef struct hc_param {
   size_t count_offset; /* NAMES, LIST: of the int that counts */
   const char *chooser; /* path of the CHOICE or BOOL that decides whether this key is used; null: always */
   unsigned chosen;     /* bits 1 << value of the chooser with which it is; a BOOL is 1 if any component is */
-  int variant;         /* 1 + index of the only variant of the table that has this key; 0: all have it */
-  unsigned types;      /* bits 1 << type: the items' types that have this key; 0: all */
-  unsigned needed;     /* of these, the types that must be given it */
+  unsigned only;       /* bit k: the table's variant k has this key; 0: all have it */
+  unsigned needed;     /* bit k: the table's variant k must be given it */
   bool shorter;        /* the last component may be left away */
   bool hidden;         /* a test hook: accepted, but not in `halocline keys` */
 } hc_param;
@@ -65,16 +64,17 @@ struct hc_param_table {
   size_t size; /* of the struct */
   /* Alternatives of which an item has exactly one, each a map of that name; null: none. */
   const char *const *variants;
+  bool chosen_by_type; /* the variant is not the map that is there, but what the first key, a choice, says */
   size_t variant_offset; /* of the int that holds the variant's index */
-  /* Items told apart by a first key `type`; null: none. */
-  const hc_choice *types;
-  size_t type_offset; /* of the int that holds the type */
 };
 
 extern const hc_param_table hc_params_scene;
 
 /* Components: 1 for a scalar. */
 int hc_params_length(const hc_param *param);
+
+/* True for a key that items of this variant have; any have it where the table has no variants. */
+bool hc_params_applies(const hc_param *param, int variant);
 
 /* True for a key that must be given (in items of its variant). */
 bool hc_params_required(const hc_param *param);

@@ -91,6 +91,14 @@ static void free_override(override *o) {
   hc_free((void *)o->value.name);
 }
 
+/* The scene's meaning, once its keys are in order. */
+static void check_meaning(hc_scene *scene, const hc_given *given, const hc_scene_limits *limits,
+                          hc_complaints *complaints, hc_complaints *warnings) {
+  if (!limits || !limits->check || complaints->total > 0) return;
+  hc_findings findings = {given, complaints, warnings};
+  limits->check(scene, &findings);
+}
+
 /* Scene, from a parsed file and the overrides. The complaints refer to `applied`. */
 static void read_tree(hc_scene *scene, const hc_yaml *yaml, const hc_source *source,
                       const char *const *overrides, int override_count, override *applied,
@@ -110,6 +118,7 @@ static void read_tree(hc_scene *scene, const hc_yaml *yaml, const hc_source *sou
     apply_override(&applied[k], overrides[k], k + 1, &given, complaints);
   hc_fill(&given, scene, limits, complaints);
   hc_rules_apply(scene, &given, source->name, complaints);
+  check_meaning(scene, &given, limits, complaints, warnings);
   if (complaints->total == 0) hc_rules_drop_unused(scene, &given, warnings);
   hc_given_free(&given);
 }

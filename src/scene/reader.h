@@ -6,6 +6,7 @@
 #ifndef HC_READER_H
 #define HC_READER_H
 
+#include "findings.h"
 #include "scene.h"
 
 #include "base/warnings.h"
@@ -13,10 +14,12 @@
 
 #include <stddef.h>
 
-/* Names that scene/ cannot know. The arrays stay the caller's. */
+/* What scene/ cannot know. The arrays stay the caller's. */
 typedef struct hc_scene_limits {
   const char *const *snapshot_fields; /* allowed in output.snapshots.fields */
   int snapshot_field_count;
+  /* Looks at a scene whose keys are all in order, such as hc_setup_review; null: nobody. Local. */
+  void (*check)(const hc_scene *scene, hc_findings *findings);
 } hc_scene_limits;
 
 /* Reads the bytes of a scene file into `*text` (zero-terminated beyond `*length`, freed with hc_free).

@@ -100,6 +100,23 @@ static void check_domain(const hc_scene *scene, const hc_given *given, hc_compla
   check_box(given, "domain.min", "domain.max", scene->domain.min, scene->domain.max, periodic, complaints);
 }
 
+static void check_step(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  if (is_bad(given, "time_step.control") || scene->time_step.control != HC_TIME_CONSTANT) return;
+  require(given, "time_step.size", "with time_step.control constant", complaints);
+  if (is_bad(given, "time_step.size") || is_bad(given, "time_step.max")) return;
+  const double size = scene->time_step.size;
+  if (size <= scene->time_step.max) return;
+  if (!is_given(given, "time_step.max")) { /* the default is no wish */
+    scene->time_step.max = size;
+    return;
+  }
+  char size_text[HC_PARAM_NUMBER_TEXT], max_text[HC_PARAM_NUMBER_TEXT];
+  hc_params_number_text(size, size_text);
+  hc_params_number_text(scene->time_step.max, max_text);
+  hc_complaints_add(complaints, hc_given_place_of(given, "time_step.size"),
+                    "time_step.size must be <= time_step.max, not %s > %s", size_text, max_text);
+}
+
 static void check_iterations(const hc_given *given, const char *low, const char *high,
                              hc_iterations iterations, hc_complaints *complaints) {
   if (is_bad(given, low) || is_bad(given, high) || iterations.min <= iterations.max) return;
@@ -108,8 +125,26 @@ static void check_iterations(const hc_given *given, const char *low, const char 
                     iterations.min, iterations.max);
 }
 
+/* False, after a complaint, for a direction of no length. */
+static bool check_direction(const hc_given *given, const char *path, const double direction[3],
+                            hc_complaints *complaints) {
+  if (!is_given(given, path) || is_bad(given, path)) return false;
+  if (direction[0] != 0.0 || direction[1] != 0.0 || direction[2] != 0.0) return true;
+  hc_complaints_add(complaints, hc_given_place_of(given, path), "%s%s must not be zero, not [0, 0, 0]",
+                    given->prefix, path);
+  return false;
+}
+
+/* What blocks and walls have in common. */
+static void check_shape(const hc_given *given, const hc_box *box, const hc_rotation *rotation,
+                        const hc_cylinder *cylinder, hc_complaints *complaints) {
+  check_box(given, "box.min", "box.max", box->min, box->max, NULL, complaints);
+  check_direction(given, "box.rotation.axis", rotation->axis, complaints);
+  check_direction(given, "cylinder.axis", cylinder->axis, complaints);
+}
+
 static void check_block(const hc_block *block, const hc_given *given, hc_complaints *complaints) {
-  check_box(given, "box.min", "box.max", block->box.min, block->box.max, NULL, complaints);
+  check_shape(given, &block->box, &block->rotation, &block->cylinder, complaints);
   if (is_bad(given, "flow.type") || block->flow.type == HC_FLOW_NONE) return;
   require(given, "flow.speed", "with a flow.type", complaints);
   require(given, "flow.length", "with a flow.type", complaints);
@@ -119,25 +154,35 @@ static void check_block(const hc_block *block, const hc_given *given, hc_complai
 
 /* To unit length; one that has it already keeps its bits, so that a written scene reads back the same. */
 static void normalize(hc_wall *wall, const hc_given *given, hc_complaints *complaints) {
-  if (!is_given(given, "plane.normal") || is_bad(given, "plane.normal")) return;
   double *n = wall->normal;
-  const double largest = fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2])));
-  if (largest == 0.0) {
-    hc_complaints_add(complaints, hc_given_place_of(given, "plane.normal"),
-                      "%splane.normal must not be zero, not [0, 0, 0]", given->prefix);
-    return;
-  }
+  if (!check_direction(given, "plane.normal", n, complaints)) return;
   const double squared = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
   if (fabs(squared - 1.0) <= 8 * DBL_EPSILON) return;
   /* Scaled first: squares of extreme components would over- or underflow. */
+  const double largest = fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2])));
   for (int k = 0; k < 3; k++) n[k] /= largest;
   const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
   for (int k = 0; k < 3; k++) n[k] /= length;
 }
 
+/* A box has faces, a cylinder ends; one must be left to be a wall. */
+static void check_open(const hc_wall *wall, const hc_given *given, hc_complaints *complaints) {
+  if (!is_given(given, "open") || is_bad(given, "open")) return;
+  const bool box = wall->form == HC_FORM_BOX;
+  const hc_place place = hc_given_place_of(given, "open");
+  if (wall->open & ~(unsigned)(box ? HC_FACES_OF_BOX : HC_FACES_OF_CYLINDER))
+    hc_complaints_add(complaints, place, "%sopen must be of %s", given->prefix,
+                      box ? "-x, +x, -y, +y, -z, +z with a box, not base or top"
+                          : "base, top with a cylinder, not -x, +x, -y, +y, -z or +z");
+  else if (wall->open == HC_FACES_OF_BOX)
+    hc_complaints_add(complaints, place, "%sopen must leave a face of the box closed, not open all six",
+                      given->prefix);
+}
+
 static void check_wall(hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
   hc_wall *wall = &scene->boundary.walls[index];
-  check_box(given, "box.min", "box.max", wall->box.min, wall->box.max, NULL, complaints);
+  check_shape(given, &wall->box, &wall->rotation, &wall->cylinder, complaints);
+  check_open(wall, given, complaints);
   normalize(wall, given, complaints);
   if (!is_given(given, "name")) snprintf(wall->name, sizeof wall->name, "wall_%d", index);
 }
@@ -218,8 +263,7 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
                    scene->solver.density_iterations, complaints);
   check_iterations(given, "solver.divergence_iterations.min", "solver.divergence_iterations.max",
                    scene->solver.divergence_iterations, complaints);
-  if (!is_bad(given, "time_step.control") && scene->time_step.control == HC_TIME_CONSTANT)
-    require(given, "time_step.size", "with time_step.control constant", complaints);
+  check_step(scene, given, complaints);
   const hc_given_value *blocks = hc_given_value_of(given, "fluid.blocks");
   for (int k = 0; k < blocks->item_count; k++)
     if (!blocks->items[k].bad) check_block(&scene->fluid.blocks[k], &blocks->items[k], complaints);

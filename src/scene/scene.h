@@ -14,6 +14,26 @@ typedef struct hc_box {
   double min[3], max[3];
 } hc_box;
 
+/* A turn about the middle: right-handed about `axis`, of any length. */
+typedef struct hc_rotation {
+  double axis[3];
+  double angle; /* degrees */
+} hc_rotation;
+
+typedef struct hc_cylinder {
+  double base[3]; /* middle of its bottom */
+  double axis[3]; /* from bottom to top, of any length */
+  double radius, length;
+} hc_cylinder;
+
+typedef struct hc_sphere {
+  double center[3];
+  double radius;
+} hc_sphere;
+
+/* Which of the shapes a block or wall has; the others are zero. */
+typedef enum hc_form { HC_FORM_BOX, HC_FORM_CYLINDER, HC_FORM_SPHERE, HC_FORM_PLANE } hc_form;
+
 typedef enum hc_flow_type { HC_FLOW_NONE, HC_FLOW_TAYLOR_GREEN, HC_FLOW_STANDING_WAVE } hc_flow_type;
 
 /* An initial velocity field, added to a block's constant velocity.
@@ -27,32 +47,43 @@ typedef struct hc_flow {
 } hc_flow;
 
 typedef struct hc_block {
+  hc_form form; /* not a plane */
   hc_box box;
+  hc_rotation rotation; /* of the box */
+  hc_cylinder cylinder;
+  hc_sphere sphere;
   double velocity[3];
   hc_flow flow;
 } hc_block;
 
-typedef enum hc_wall_type { HC_WALL_BOX, HC_WALL_PLANE } hc_wall_type;
 typedef enum hc_inside { HC_INSIDE_FLUID, HC_INSIDE_SOLID } hc_inside;
 
-/* Bits of hc_wall.open: the faces of a box that are not there. */
+/* Bits of hc_wall.open: the faces of a box, along its own axes if it is turned, or the ends of a cylinder
+ * that are not there. */
 enum {
   HC_FACE_MINUS_X = 1,
   HC_FACE_PLUS_X = 2,
   HC_FACE_MINUS_Y = 4,
   HC_FACE_PLUS_Y = 8,
   HC_FACE_MINUS_Z = 16,
-  HC_FACE_PLUS_Z = 32
+  HC_FACE_PLUS_Z = 32,
+  HC_FACE_BASE = 64,
+  HC_FACE_TOP = 128,
+  HC_FACES_OF_BOX = 63,
+  HC_FACES_OF_CYLINDER = 192
 };
 
 /* A wall's surface is the wetted surface: boundary samples lie half a spacing outside the fluid's side of it.
  */
 typedef struct hc_wall {
-  hc_wall_type type;
+  hc_form form;
   char name[HC_NAME_LENGTH];
-  hc_box box;       /* box: the container's inner or the solid's outer surface */
-  hc_inside inside; /* box: what is within */
-  unsigned open;    /* box: HC_FACE_* bits */
+  hc_box box; /* the container's inner or the solid's outer surface, as the cylinder and the sphere */
+  hc_rotation rotation; /* of the box */
+  hc_cylinder cylinder;
+  hc_sphere sphere;
+  hc_inside inside; /* box, cylinder, sphere: what is within */
+  unsigned open;    /* box, cylinder: HC_FACE_* bits */
   double point[3];  /* plane: the rectangle's centre */
   double normal[3]; /* plane: into the fluid; unit length after reading */
   double size[2];   /* plane: edge lengths along its two tangents */

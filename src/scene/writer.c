@@ -122,9 +122,7 @@ static void write_table(FILE *out, const hc_param_table *table, const void *owne
   const char *before = "";
   for (int k = 0; k < table->count; k++) {
     const hc_param *param = &table->params[k];
-    if ((param->variant && param->variant != 1 + variant) || !is_written(table, param, owner)) continue;
-    if (param->types && !(param->types >> *(const int *)((const char *)owner + table->type_offset) & 1))
-      continue;
+    if (!hc_params_applies(param, variant) || !is_written(table, param, owner)) continue;
     const int inner = write_maps(out, param->path, before, indent, &dash);
     before = param->path;
     if (param->kind != HC_PARAM_LIST) {

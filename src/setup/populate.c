@@ -2,159 +2,29 @@
 
 #include "base/memory.h"
 #include "setup/flow.h"
+#include "setup/union.h"
 
-#include <math.h>
-#include <stdio.h>
-
-static const double max_cells = (double)((int64_t)1 << 31); /* of a coordinate from the scene's origin */
 static const int64_t max_own = ((int64_t)1 << 31) - 64; /* local indices are int32_t, with room for padding */
-static const char axis_names[] = "xyz";
-
-_Static_assert(HC_FACE_MINUS_X == 1 && HC_FACE_PLUS_X == 2 && HC_FACE_MINUS_Y == 4 && HC_FACE_PLUS_Y == 8 &&
-                   HC_FACE_MINUS_Z == 16 && HC_FACE_PLUS_Z == 32,
-               "the samplings take the scene's bits of open faces");
-
-/* What messages call a source: boundary.walls[1] "tank". */
-typedef struct source_name {
-  char text[HC_NAME_LENGTH + 64];
-} source_name;
-
-static source_name block_name(int number) {
-  source_name name;
-  snprintf(name.text, sizeof name.text, "fluid.blocks[%d]", number);
-  return name;
-}
-
-static source_name wall_name(const hc_wall *wall, int number) {
-  source_name name;
-  const int length = snprintf(name.text, sizeof name.text, "boundary.walls[%d]", number);
-  if (wall->name[0])
-    snprintf(name.text + length, sizeof name.text - (size_t)length, " \"%.*s\"", HC_NAME_LENGTH, wall->name);
-  return name;
-}
-
-static bool in_reach(const hc_frame *frame, double metres) {
-  return fabs(metres) <= max_cells * frame->support_radius; /* false for NaN */
-}
-
-static hc_status check_box(const hc_frame *frame, const hc_box *box, const char *name, hc_error *error) {
-  for (int a = 0; a < 3; a++) {
-    if (!in_reach(frame, box->min[a]) || !in_reach(frame, box->max[a]))
-      return hc_error_set(
-          error, HC_BAD_INPUT,
-          "%s: coordinates must lie within 2^31 support radii of the origin, got %g to %g m along %c", name,
-          box->min[a], box->max[a], axis_names[a]);
-    if (!(box->max[a] > box->min[a]))
-      return hc_error_set(error, HC_BAD_INPUT, "%s: box.max must be above box.min, got %g to %g m along %c",
-                          name, box->min[a], box->max[a], axis_names[a]);
-  }
-  return HC_OK;
-}
-
-static hc_status check_plane(const hc_frame *frame, const hc_wall *wall, const char *name, hc_error *error) {
-  double square = 0;
-  for (int a = 0; a < 3; a++) {
-    square += wall->normal[a] * wall->normal[a];
-    if (!in_reach(frame, wall->point[a]))
-      return hc_error_set(error, HC_BAD_INPUT,
-                          "%s: point must lie within 2^31 support radii of the origin, got %g m along %c",
-                          name, wall->point[a], axis_names[a]);
-  }
-  if (!(square > 0 && isfinite(square)))
-    return hc_error_set(error, HC_BAD_INPUT, "%s: the normal must have a length, got [%g, %g, %g]", name,
-                        wall->normal[0], wall->normal[1], wall->normal[2]);
-  for (int t = 0; t < 2; t++)
-    if (!(wall->size[t] > 0 && in_reach(frame, wall->size[t])))
-      return hc_error_set(error, HC_BAD_INPUT,
-                          "%s: size must be above 0 and within 2^31 support radii, got [%g, %g] m", name,
-                          wall->size[0], wall->size[1]);
-  return HC_OK;
-}
-
-/* Counts must fit the ids, and nothing may meet its own periodic image. */
-static hc_status check_sampling(const hc_frame *frame, const hc_sampling *sampling, const char *name,
-                                hc_error *error) {
-  const int64_t count = hc_sampling_count(sampling);
-  if (count > HC_ID_MAX_COUNTER)
-    return hc_error_set(error, HC_BAD_INPUT, "%s: must have at most 2^%d particles, got %s%lld", name,
-                        HC_ID_COUNTER_BITS, count == INT64_MAX ? "more than " : "",
-                        count == INT64_MAX ? 1LL << 62 : (long long)count);
-  if (count == 0) return HC_OK;
-  int64_t low[3], high[3];
-  hc_sampling_bounds(sampling, low, high);
-  for (int a = 0; a < 3; a++)
-    if (frame->period[a] > 0 && high[a] - low[a] > frame->period[a] - frame->spacing[a] / 2)
-      return hc_error_set(
-          error, HC_BAD_INPUT,
-          "%s: must not meet itself around the period of %g m along %c: its particles span %g m and "
-          "must span at most the period less half a spacing%s",
-          name, (double)frame->period[a] * frame->unit[a], axis_names[a],
-          (double)(high[a] - low[a]) * frame->unit[a],
-          sampling->part_count > 1 ? " (a container as long as the period: open its faces there)" : "");
-  return HC_OK;
-}
-
-static hc_lattice lattice_of(const hc_frame *frame) {
-  hc_lattice lattice;
-  for (int a = 0; a < 3; a++) {
-    lattice.unit[a] = frame->unit[a];
-    lattice.origin[a] = frame->origin[a];
-    lattice.spacing[a] = frame->spacing[a];
-  }
-  return lattice;
-}
-
-static hc_status plan_block(const hc_frame *frame, const hc_block *block, hc_setup_source *source,
-                            hc_error *error) {
-  const source_name name = block_name((int)source->number);
-  const hc_status status = check_box(frame, &block->box, name.text, error);
-  if (status) return status;
-  for (int a = 0; a < 3; a++) {
-    if (!isfinite(block->velocity[a]))
-      return hc_error_set(error, HC_BAD_INPUT, "%s: velocity must be finite, got %g m/s along %c", name.text,
-                          block->velocity[a], axis_names[a]);
-    source->velocity[a] = block->velocity[a];
-  }
-  if (block->flow.type != HC_FLOW_NONE && !(block->flow.length > 0 && isfinite(block->flow.speed)))
-    return hc_error_set(error, HC_BAD_INPUT,
-                        "%s: flow.length must be above 0 and flow.speed finite, got %g m and %g m/s",
-                        name.text, block->flow.length, block->flow.speed);
-  source->flow = block->flow;
-  const hc_lattice lattice = lattice_of(frame);
-  source->sampling = hc_sampling_block(&lattice, block->box.min, block->box.max);
-  return check_sampling(frame, &source->sampling, name.text, error);
-}
-
-static hc_status plan_wall(const hc_frame *frame, const hc_wall *wall, hc_setup_source *source,
-                           hc_error *error) {
-  const source_name name = wall_name(wall, (int)source->number);
-  const hc_status status = wall->type == HC_WALL_PLANE ? check_plane(frame, wall, name.text, error)
-                                                       : check_box(frame, &wall->box, name.text, error);
-  if (status) return status;
-  const hc_lattice lattice = lattice_of(frame);
-  if (wall->type == HC_WALL_PLANE)
-    source->sampling = hc_sampling_plane(&lattice, wall->point, wall->normal, wall->size);
-  else if (wall->inside == HC_INSIDE_FLUID)
-    source->sampling = hc_sampling_container(&lattice, wall->box.min, wall->box.max, wall->open);
-  else
-    source->sampling = hc_sampling_solid(&lattice, wall->box.min, wall->box.max, wall->open);
-  return check_sampling(frame, &source->sampling, name.text, error);
-}
 
 static hc_status plan_sources(const hc_scene *scene, hc_setup_plan *plan, hc_error *error) {
-  for (int number = 0; number < plan->fluid_sources; number++) {
-    hc_setup_source *const source = &plan->fluid[number];
-    *source = (hc_setup_source){.kind = HC_ID_FLUID, .number = number, .first = plan->fluid_count};
-    const hc_status status = plan_block(&plan->frame, &scene->fluid.blocks[number], source, error);
+  for (int number = 0; number < scene->fluid.block_count; number++) {
+    hc_setup_source *const source = &plan->fluid[plan->fluid_sources++];
+    const hc_status status =
+        hc_source_block(&plan->frame, &scene->fluid.blocks[number], number, source, error);
     if (status) return status;
-    plan->fluid_count += hc_sampling_count(&source->sampling);
+    source->first = plan->fluid_count;
+    plan->fluid_count += hc_source_count(source);
   }
-  for (int number = 0; number < plan->boundary_sources; number++) {
-    hc_setup_source *const source = &plan->boundary[number];
-    *source = (hc_setup_source){.kind = HC_ID_BOUNDARY, .number = number, .first = plan->boundary_count};
-    const hc_status status = plan_wall(&plan->frame, &scene->boundary.walls[number], source, error);
+  for (int number = 0; number < scene->boundary.wall_count; number++) {
+    hc_setup_source *const source = &plan->boundary[plan->boundary_sources++];
+    const hc_status status =
+        hc_source_wall(&plan->frame, &scene->boundary.walls[number], number, source, error);
     if (status) return status;
-    plan->boundary_count += hc_sampling_count(&source->sampling);
+  }
+  hc_union_drop(&plan->frame, plan->boundary, plan->boundary_sources);
+  for (int number = 0; number < plan->boundary_sources; number++) {
+    plan->boundary[number].first = plan->boundary_count;
+    plan->boundary_count += hc_source_count(&plan->boundary[number]);
   }
   return HC_OK;
 }
@@ -169,9 +39,7 @@ hc_status hc_setup_plan_make(const hc_scene *scene, const hc_frame *frame, hc_se
                         HC_ID_SOURCE_BITS, blocks, walls);
   *plan = (hc_setup_plan){.frame = *frame,
                           .fluid = hc_alloc((size_t)blocks, sizeof(hc_setup_source)),
-                          .boundary = hc_alloc((size_t)walls, sizeof(hc_setup_source)),
-                          .fluid_sources = blocks,
-                          .boundary_sources = walls};
+                          .boundary = hc_alloc((size_t)walls, sizeof(hc_setup_source))};
   for (int a = 0; a < 3; a++)
     plan->disorder[a] = (int64_t)(scene->fluid.disorder * (double)frame->spacing[a]);
   const hc_status status = plan_sources(scene, plan, error);
@@ -180,6 +48,8 @@ hc_status hc_setup_plan_make(const hc_scene *scene, const hc_frame *frame, hc_se
 }
 
 void hc_setup_plan_free(hc_setup_plan *plan) {
+  for (int s = 0; s < plan->fluid_sources; s++) hc_source_free(&plan->fluid[s]);
+  for (int s = 0; s < plan->boundary_sources; s++) hc_source_free(&plan->boundary[s]);
   hc_free(plan->fluid);
   hc_free(plan->boundary);
   *plan = (hc_setup_plan){0};
@@ -224,9 +94,10 @@ static void generate(const hc_setup_plan *plan, const hc_setup_source *sources, 
   hc_particles_resize(particles, (int32_t)(last - first));
   for (int s = 0; s < source_count; s++) {
     const hc_setup_source *const source = &sources[s];
-    const int64_t end = source->first + hc_sampling_count(&source->sampling);
+    const int64_t end = source->first + hc_source_count(source);
     const int64_t from = first > source->first ? first : source->first, to = last < end ? last : end;
-    for (int64_t at = from; at < to; at++) place(plan, source, at - source->first, particles, at - first);
+    for (int64_t at = from; at < to; at++)
+      place(plan, source, hc_gaps_kept(&source->gaps, at - source->first), particles, at - first);
   }
 }
 

@@ -6,22 +6,8 @@
 #ifndef HC_POPULATE_H
 #define HC_POPULATE_H
 
-#include "geometry/sampling.h"
-#include "halocline/error.h"
-#include "particles/ids.h"
 #include "particles/particles.h"
-#include "scene/scene.h"
-#include "space/frame.h"
-
-/* A block of fluid or a wall. */
-typedef struct hc_setup_source {
-  hc_sampling sampling;
-  hc_id_kind kind;
-  int64_t number;     /* place in fluid.blocks or boundary.walls */
-  int64_t first;      /* particles of the same kind before it */
-  double velocity[3]; /* m/s; 0 for walls */
-  hc_flow flow;       /* added to it */
-} hc_setup_source;
+#include "setup/source.h"
 
 /* Everything that is to be generated; owned by the caller, freed with hc_setup_plan_free. */
 typedef struct hc_setup_plan {
@@ -33,9 +19,10 @@ typedef struct hc_setup_plan {
   int64_t disorder[3];                 /* largest shift of fluid off its lattice, in units */
 } hc_setup_plan;
 
-/* Makes the plan of a scene; generates nothing. `frame` is that of the same scene. On failure the plan is
+/* Makes the plan of a scene; generates nothing. Where walls meet, samples of later ones are left out, see
+ * union.h. `frame` is that of the same scene. On failure the plan is
  * empty and needs no freeing. Errors (HC_BAD_INPUT): boxes turned inside out or thinner than nothing,
- * coordinates beyond 2^31 cells, a plane without normal or size, a block or wall that reaches around a
+ * coordinates beyond 2^31 cells, directions and lengths of nothing, a block or wall that reaches around a
  * periodic axis and meets itself, more than 2^40 particles in one source, more than 2^20 sources of a kind.
  * Local. */
 hc_status hc_setup_plan_make(const hc_scene *scene, const hc_frame *frame, hc_setup_plan *plan,
@@ -50,7 +37,7 @@ void hc_setup_share(int64_t count, int rank, int size, int64_t *first, int64_t *
 hc_status hc_setup_check_share(const hc_setup_plan *plan, int rank, int size, hc_error *error);
 
 /* Replaces what the two stores hold by the rank's share of the plan: position (wrapped into the periods;
- * fluid shifted off its lattice as the scene asks), id (kind, source, index in the source) and velocity; all
+ * fluid shifted off its lattice as the scene asks), id (kind, source, index of the sample) and velocity; all
  * other state is 0. Together the shares of all ranks
  * are the same particles for any number of ranks. Errors (HC_BAD_INPUT): more than 2^31 - 64 particles of a
  * kind on this rank; the stores are then unchanged. Local: agree on the status afterwards. */

@@ -50,6 +50,11 @@ def gauges(case, steps):
     return text + ", gauges.csv too"
 
 
+def round_tank(case, steps):
+    """Round and tilted shapes in an open cylinder."""
+    return ranks_agree(case, "tests/cases/round_tank.yaml", (1, 3), (), steps or 100)
+
+
 def rebalanced(case, steps):
     """A rebalance in the middle, forced by the test hook, changes nothing."""
     steps = steps or 60
@@ -91,5 +96,6 @@ def diff_sees(case, steps):
 
 
 if __name__ == "__main__":
-    c.main(__doc__, {"dam_break": dam_break, "vortices": vortices, "gauges": gauges, "rebalanced": rebalanced,
+    c.main(__doc__, {"dam_break": dam_break, "vortices": vortices, "gauges": gauges,
+                     "round_tank": round_tank, "rebalanced": rebalanced,
                      "far_away": far_away, "instruction_sets": instruction_sets, "diff_sees": diff_sees})

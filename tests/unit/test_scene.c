@@ -16,7 +16,7 @@
 #define SMALLEST "particle_spacing: 0.02\nend_time: 2\n"
 
 static const char *const fields[] = {"id", "velocity", "density", "pressure"};
-static const hc_scene_limits limits = {fields, 4};
+static const hc_scene_limits limits = {fields, 4, NULL};
 
 /* Reads `text` with up to one override (may be null). */
 static hc_status read_with(hc_scene *scene, const char *text, const char *override, hc_error *error) {
@@ -135,6 +135,9 @@ static const char full[] =
     "  - box: &b {min: [0, 0, 0], max: [0.5, 0.25, 1]}\n"
     "  - {box: *b, velocity: [1, 2, 3],\n"
     "     flow: {type: taylor_green, speed: 1.25, length: 0.6}}\n"
+    "  - box: {min: [0, 0, 2], max: [1, 1, 3], rotation: {axis: [1, 2, 3], angle: -12.5}}\n"
+    "  - cylinder: {base: [1, 2, 3], axis: [0, 3, 4], radius: 0.5, length: 2}\n"
+    "  - sphere: {center: [7, 8, 9], radius: 0.25}\n"
     "boundary:\n"
     "  volume_factor: 0.72\n"
     "  walls:\n"
@@ -142,6 +145,9 @@ static const char full[] =
     "  - {name: post, box: {min: [1, 0, 0], max: [1.1, 1, 1]}, inside: solid}\n"
     "  - plane: {point: [1, 2, 3], normal: [3, 0, -4], size: [5, 6]}\n"
     "  - plane: {point: [1, 2, 3], normal: [1e200, 1e200, 1e-200], size: [5, 6]}\n"
+    "  - {cylinder: {base: [1, 2, 3], radius: 0.5, length: 2}, open: [top], inside: solid}\n"
+    "  - sphere: {center: [1, 2, 3], radius: 4}\n"
+    "  - {box: {min: [0, 0, 0], max: [2, 1, 1], rotation: {angle: 90}}, open: [+x]}\n"
     "solver: {density_error_avg: 2e-5, divergence_error: 3e-4, density_iterations: {min: 4, max: 4},\n"
     "  divergence_iterations: {min: 0, max: 1}, warm_start: 1, min_divergence_neighbors: 0,\n"
     "  negative_pressure: true}\n"
@@ -175,9 +181,25 @@ START_TEST(test_values) {
   ck_assert_uint_eq(walls[0].open, HC_FACE_PLUS_Z | HC_FACE_MINUS_X);
   ck_assert_str_eq(walls[1].name, "post");
   ck_assert_int_eq(walls[1].inside, HC_INSIDE_SOLID);
-  ck_assert_int_eq(walls[2].type, HC_WALL_PLANE);
+  ck_assert_int_eq(walls[2].form, HC_FORM_PLANE);
   ck_assert_double_eq_tol(walls[2].normal[2], -0.8, 1e-15);
   ck_assert_double_eq_tol(walls[3].normal[0], sqrt(0.5), 1e-15);
+  const hc_block *blocks = scene.fluid.blocks;
+  ck_assert_int_eq(scene.fluid.block_count, 5);
+  ck_assert_double_eq(blocks[2].rotation.angle, -12.5);
+  ck_assert_double_eq(blocks[2].rotation.axis[1], 2.0);
+  ck_assert_int_eq(blocks[3].form, HC_FORM_CYLINDER);
+  ck_assert_double_eq(blocks[3].cylinder.axis[2], 4.0);
+  ck_assert_int_eq(blocks[4].form, HC_FORM_SPHERE);
+  ck_assert_double_eq(blocks[4].sphere.center[1], 8.0);
+  ck_assert_int_eq(walls[4].form, HC_FORM_CYLINDER);
+  ck_assert_double_eq(walls[4].cylinder.axis[2], 1.0); /* the default */
+  ck_assert_uint_eq(walls[4].open, HC_FACE_TOP);
+  ck_assert_int_eq(walls[4].inside, HC_INSIDE_SOLID);
+  ck_assert_int_eq(walls[5].form, HC_FORM_SPHERE);
+  ck_assert_double_eq(walls[5].sphere.radius, 4.0);
+  ck_assert_double_eq(walls[6].rotation.angle, 90.0);
+  ck_assert_double_eq(walls[6].rotation.axis[2], 1.0);
   ck_assert_int_eq(scene.parallel.rebalance_at, 12);
   hc_scene_free(&scene);
 }
@@ -255,8 +277,8 @@ START_TEST(test_errors_in_a_line) {
        "40: output.snapshots.fields[1] must be one of id, velocity, density, pressure, not 'speed'"},
       {"output: {snapshots: {fields: [density, density]}}",
        "40: output.snapshots.fields[1] must be named once, not 'density'"},
-      {"boundary: {walls: [{box: {min: [0,0,0], max: [1,1,1]}, open: [top]}]}",
-       "63: boundary.walls[0].open[0] must be one of -x, +x, -y, +y, -z, +z, not 'top'"},
+      {"boundary: {walls: [{box: {min: [0,0,0], max: [1,1,1]}, open: [up]}]}",
+       "63: boundary.walls[0].open[0] must be one of -x, +x, -y, +y, -z, +z, base, top, not 'up'"},
       {"fluid: {mass_factor: 1.2}", "22: fluid.mass_factor must be in [0.9, 1], not '1.2'"},
       {"support_radius: .inf", "17: support_radius must be finite, not '.inf'"},
       {"gravity: [0, 0, -.NaN]", "17: gravity[2] must be finite, not '-.NaN'"},
@@ -274,11 +296,34 @@ START_TEST(test_errors_in_a_line) {
        "63: domain.max must be > domain.min along x, not 1 <= 1"},
       {"fluid: {blocks: [{box: {min: [0,0,0], max: [1,-0.5,1]}}]}",
        "44: fluid.blocks[0].box.max must be > box.min along y, not -0.5 <= 0"},
-      {"boundary: {walls: [{}]}", "20: boundary.walls[0] must have exactly one of box, plane; it has none"},
+      {"boundary: {walls: [{sphere: {center: [0,0,0], radius: 1}, open: [+z]}]}",
+       "65: boundary.walls[0].open is a key of box, cylinder, not of sphere"},
+      {"boundary: {walls: [{cylinder: {base: [0,0,0], radius: 1, length: 1}, open: [+z]}]}",
+       "76: boundary.walls[0].open must be of base, top with a cylinder, not -x, +x, -y, +y, -z or +z"},
+      {"boundary: {walls: [{box: {min: [0,0,0], max: [1,1,1]}, open: [top]}]}",
+       "62: boundary.walls[0].open must be of -x, +x, -y, +y, -z, +z with a box, not base or top"},
+      {"boundary: {walls: [{box: {min: [0,0,0], max: [1,1,1]}, open: [-x, +x, -y, +y, -z, +z]}]}",
+       "62: boundary.walls[0].open must leave a face of the box closed, not open all six"},
+      {"boundary: {walls: [{cylinder: {base: [0,0,0], axis: [0,0,0], radius: 1, length: 1}}]}",
+       "53: boundary.walls[0].cylinder.axis must not be zero, not [0, 0, 0]"},
+      {"boundary: {walls: [{sphere: {center: [0,0,0], radius: 0}}]}",
+       "55: boundary.walls[0].sphere.radius must be > 0, not '0'"},
+      {"fluid: {blocks: [{box: {min: [0,0,0], max: [1,1,1], rotation: {axis: [0,0,0], angle: 5}}}]}",
+       "70: fluid.blocks[0].box.rotation.axis must not be zero, not [0, 0, 0]"},
+      {"fluid: {blocks: [{box: {min: [0,0,0], max: [1,1,1], rotation: {angle: 400}}}]}",
+       "71: fluid.blocks[0].box.rotation.angle must be in [-360, 360], not '400'"},
+      {"fluid: {blocks: [{cylinder: {base: [0,0,0], radius: 1}}]}",
+       "18: missing required key 'fluid.blocks[0].cylinder.length'"},
+      {"fluid: {blocks: [{velocity: [0,0,1]}]}",
+       "18: fluid.blocks[0] must have exactly one of box, cylinder, sphere; it has none"},
+      {"time_step: {control: constant, size: 0.02, max: 0.01}",
+       "38: time_step.size must be <= time_step.max, not 0.02 > 0.01"},
+      {"boundary: {walls: [{}]}",
+       "20: boundary.walls[0] must have exactly one of box, cylinder, sphere, plane; it has none"},
       {"boundary: {walls: [{plane: {point: [0,0,0], normal: [0,0,0], size: [1,1]}}]}",
        "53: boundary.walls[0].plane.normal must not be zero, not [0, 0, 0]"},
       {"boundary: {walls: [{inside: solid, plane: {point: [0,0,0], normal: [0,0,1], size: [1,1]}}]}",
-       "29: boundary.walls[0].inside is a key of box, not of plane"},
+       "29: boundary.walls[0].inside is a key of box, cylinder, sphere, not of plane"},
       {"fluid: {blocks: [{box: {min: [0,0,0]}}]}", "18: missing required key 'fluid.blocks[0].box.max'"},
       {"fluid: {blocks: [{box: {min: [0,0,0], max: [1,1,1]}, flow: {type: taylor_green, speed: 1}}]}",
        "18: missing key 'fluid.blocks[0].flow.length', required with a flow.type"},
@@ -294,8 +339,9 @@ END_TEST
 
 START_TEST(test_errors_elsewhere) {
   refuse("particle_spacing: -0.02\nend_time: 1", "1:19: particle_spacing must be > 0, not '-0.02'");
-  refuse(SMALLEST "boundary:\n  walls:\n  - {box: {min: [0,0,0], max: [1,1,1]}, plane: {size: [1,1]}}\n",
-         "5:5: boundary.walls[0] must have exactly one of box, plane; it has box and plane");
+  refuse(
+      SMALLEST "boundary:\n  walls:\n  - {box: {min: [0,0,0], max: [1,1,1]}, plane: {size: [1,1]}}\n",
+      "5:5: boundary.walls[0] must have exactly one of box, cylinder, sphere, plane; it has box and plane");
   refuse(SMALLEST "boundary:\n  walls:\n  - {name: a, box: {min: [0,0,0], max: [1,1,1]}}\n"
                   "  - {name: a, box: {min: [0,0,0], max: [1,1,1]}}\n",
          "6:12: boundary.walls[1].name must be the wall's own, not 'a' like wall 0");
@@ -510,6 +556,8 @@ START_TEST(test_round_trip) {
   check_round_trip(SMALLEST, NULL);
   check_round_trip(full, NULL);
   check_round_trip(full, "boundary.volume_factor=computed");
+  /* A constant step above the default of time_step.max takes it along. */
+  check_round_trip(SMALLEST "time_step: {control: constant, size: 0.01}\n", NULL);
   check_round_trip(full, "gravity=[5e-324, 1.7976931348623157e308, 0.1]");
   /* Normals of all kinds keep their bits when they are read again. */
   for (int k = 1; k <= 50; k++) {

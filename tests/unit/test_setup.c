@@ -144,9 +144,9 @@ static hc_block two_blocks[] = {
     {.box = {{0, 0, 0.3}, {0.2, 0.2, 0.4}}, .flow = {HC_FLOW_TAYLOR_GREEN, 2.0, 0.2, 0}},
 };
 static hc_wall three_walls[] = {
-    {.type = HC_WALL_PLANE, .name = "floor", .point = {0.1, 0.1, 0}, .normal = {0, 0, 1}, .size = {0.2, 0.2}},
-    {.type = HC_WALL_BOX, .box = {{0.06, 0.06, 0.16}, {0.14, 0.12, 0.24}}, .inside = HC_INSIDE_SOLID},
-    {.type = HC_WALL_BOX,
+    {.form = HC_FORM_PLANE, .name = "floor", .point = {0.1, 0.1, 0}, .normal = {0, 0, 1}, .size = {0.2, 0.2}},
+    {.form = HC_FORM_BOX, .box = {{0.06, 0.06, 0.16}, {0.14, 0.12, 0.24}}, .inside = HC_INSIDE_SOLID},
+    {.form = HC_FORM_BOX,
      .box = {{0, 0, 0}, {0.2, 0.2, 0.5}},
      .inside = HC_INSIDE_FLUID,
      .open = HC_FACE_MINUS_X | HC_FACE_PLUS_X | HC_FACE_MINUS_Y | HC_FACE_PLUS_Y | HC_FACE_MINUS_Z},
@@ -373,7 +373,7 @@ static void assert_no_plan(const hc_scene *scene, const char *const *words) {
 
 START_TEST(plans_that_cannot_be_are_refused) {
   hc_block block = {.box = {{0, 0, 0}, {0.2, -0.2, 0.2}}};
-  hc_wall wall = {.type = HC_WALL_BOX, .name = "tank", .box = {{0, 0, 0}, {0.2, 0.2, 0.2}}};
+  hc_wall wall = {.form = HC_FORM_BOX, .name = "tank", .box = {{0, 0, 0}, {0.2, 0.2, 0.2}}};
   hc_scene scene = periodic_scene(0.2, 0, 0);
   scene.fluid.blocks = &block;
   scene.fluid.block_count = 1;
@@ -393,11 +393,11 @@ START_TEST(plans_that_cannot_be_are_refused) {
   block.box.max[0] = 0.22;
   NO_PLAN(&scene, "fluid.blocks[0]", "must not meet itself");
   block.box.max[0] = 0.2;
-  wall = (hc_wall){.type = HC_WALL_PLANE, .size = {0.2, 0.2}};
+  wall = (hc_wall){.form = HC_FORM_PLANE, .size = {0.2, 0.2}};
   NO_PLAN(&scene, "boundary.walls[0]", "normal must have a length");
   wall.normal[2] = 1;
   wall.size[1] = 0;
-  NO_PLAN(&scene, "boundary.walls[0]", "size must be above 0", "[0.2, 0]");
+  NO_PLAN(&scene, "boundary.walls[0]", "size must be above 0", "got 0 m");
   block.velocity[0] = NAN;
   NO_PLAN(&scene, "velocity must be finite");
 }

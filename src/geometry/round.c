@@ -1,0 +1,138 @@
+#include "round.h"
+
+#include "base/turns.h"
+
+#include <math.h>
+
+static const double pi = 3.14159265358979323846;
+static const double most_runs = 1 << 24; /* more is refused, for they are stored */
+
+/* As a number of points or repetitions, of which a sampling refuses too many. */
+static int64_t to_count(double count) {
+  return (int64_t)fmin(count, 1e18);
+}
+
+/* A shape being sampled: lengths in units of axis 0. */
+typedef struct work {
+  const hc_shape *shape;
+  double unit, spacing;
+  hc_sampling sampling;
+} work;
+
+static work begin(const hc_lattice *lattice, const hc_shape *shape) {
+  return (work){.shape = shape,
+                .unit = lattice->unit[0],
+                .spacing = (double)lattice->spacing[0],
+                .sampling = {.pitch = (double)lattice->spacing[0]}};
+}
+
+static double nearest(double ratio) {
+  return fmax(1, rint(ratio));
+}
+
+/* True, and the sampling marked so, if it would need too many runs. */
+static bool too_many(work *w, double runs) {
+  if (runs <= most_runs) return false;
+  w->sampling.count = INT64_MAX;
+  return true;
+}
+
+static hc_sampling fill_round(work w) {
+  const hc_shape *const shape = w.shape;
+  const double radius = shape->high[0] / w.unit / w.spacing - 0.5; /* of the outermost points, in spacings */
+  const double reach = hc_sampling_whole(radius);
+  if (reach < 0) return w.sampling;
+  const double most = fmax(reach * reach, radius * radius) * (1 + 2e-6); /* decimal fractions */
+  const bool sphere = shape->round == 3;
+  if (too_many(&w, (2 * reach + 1) * (sphere ? 2 * reach + 1 : 1))) return w.sampling;
+  const double length = shape->high[1] / w.unit - shape->low[1] / w.unit;
+  const double layers = hc_sampling_whole(length / w.spacing);
+  if (!sphere && layers < 1) return w.sampling;
+  for (double k = sphere ? -reach : 0; k <= (sphere ? reach : 0); k++)
+    for (double j = -reach; j <= reach; j++) {
+      const double left = most - k * k - j * j;
+      if (left < 0) continue;
+      const double i = floor(sqrt(left));
+      const double height = sphere ? k * w.spacing : 0.5 * (w.spacing - length);
+      const hc_sampling_run row = {.at = {-i * w.spacing, j * w.spacing, height},
+                                   .rise = w.spacing,
+                                   .count = to_count(2 * i + 1),
+                                   .repeat = sphere ? 1 : to_count(layers)};
+      hc_sampling_add_run(&w.sampling, &row);
+    }
+  return w.sampling;
+}
+
+static void add_rings(work *w, double radius, double height, double rise, double repeat) {
+  const double count = nearest(2 * pi * radius / w->spacing);
+  const hc_sampling_run ring = {
+      .at = {radius, 0, height}, .rise = rise, .count = to_count(count), .repeat = to_count(repeat)};
+  hc_sampling_add_run(&w->sampling, &ring);
+}
+
+/* Rings from the middle to the rim of a disc. */
+static void add_disc(work *w, double radius, double height, bool with_rim) {
+  const double steps = rint(radius / w->spacing);
+  if (too_many(w, steps)) return;
+  for (double j = 0; j < steps; j++) add_rings(w, radius * j / steps, height, 0, 1);
+  if (with_rim) add_rings(w, radius, height, 0, 1);
+}
+
+static void add_cylinder(work *w, const hc_shape *layer, bool solid) {
+  const double radius = layer->high[0] / w->unit, low = layer->low[1] / w->unit,
+               high = layer->high[1] / w->unit;
+  const double length = (w->shape->high[1] - w->shape->low[1]) / w->unit;
+  const double rows = nearest(length / w->spacing);
+  const bool bottom = !(w->shape->open & 4), top = !(w->shape->open & 8);
+  if (!solid)
+    add_rings(w, radius, 0.5 * (length / rows - length), length / rows, rows);
+  else
+    add_rings(w, radius, low, rows > 1 ? (high - low) / (rows - 1) : 0, rows);
+  if (bottom) add_disc(w, radius, low, !solid);
+  if (top && !(solid && rows == 1 && bottom)) add_disc(w, radius, high, !solid);
+}
+
+static void add_sphere(work *w, const hc_shape *layer) {
+  const double radius = layer->high[0] / w->unit;
+  const double steps = radius > 0 ? nearest(pi * radius / w->spacing) : 0;
+  if (too_many(w, steps)) return;
+  for (double j = 0; j <= steps; j++) {
+    const double turns = steps > 0 ? 0.5 * j / steps : 0;
+    add_rings(w, radius * fabs(hc_turns_sine(turns)), radius * hc_turns_cosine(turns), 0, 1);
+  }
+}
+
+static hc_sampling wall_round(work w, const hc_lattice *lattice, bool solid) {
+  const hc_shape layer = hc_shape_layer(w.shape, (double)lattice->spacing[0] * lattice->unit[0], solid);
+  w.sampling.rings = true;
+  if (w.shape->round == 3)
+    add_sphere(&w, &layer);
+  else
+    add_cylinder(&w, &layer, solid);
+  return w.sampling;
+}
+
+hc_sampling hc_round_fill(const hc_lattice *lattice, const hc_shape *shape) {
+  hc_sampling sampling;
+  if (shape->round == 1) {
+    const hc_lattice own = hc_sampling_own_lattice(lattice);
+    sampling = hc_sampling_block(&own, shape->low, shape->high);
+  } else {
+    sampling = fill_round(begin(lattice, shape));
+  }
+  hc_sampling_turn(&sampling, lattice, shape);
+  return sampling;
+}
+
+hc_sampling hc_round_wall(const hc_lattice *lattice, const hc_shape *shape, bool solid) {
+  hc_sampling sampling;
+  if (shape->round == 1) {
+    const hc_lattice own = hc_sampling_own_lattice(lattice);
+    sampling =
+        (solid ? hc_sampling_solid : hc_sampling_container)(&own, shape->low, shape->high, shape->open);
+  } else {
+    sampling = wall_round(begin(lattice, shape), lattice, solid);
+  }
+  hc_sampling_turn(&sampling, lattice, shape);
+  return sampling;
+}

@@ -1,0 +1,210 @@
+#include "shape.h"
+
+#include "base/check.h"
+#include "base/turns.h"
+
+#include <math.h>
+#include <string.h>
+
+static double dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double a[3], const double b[3], double product[3]) {
+  for (int k = 0; k < 3; k++) {
+    const int l = (k + 1) % 3, m = (k + 2) % 3;
+    product[k] = a[l] * b[m] - a[m] * b[l];
+  }
+}
+
+static void normalize(const double v[3], double unit[3]) {
+  const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+  HC_CHECK(largest > 0 && isfinite(largest), "a direction needs a length, got [%g, %g, %g]", v[0], v[1],
+           v[2]);
+  /* Scaled first: squares of extreme components would over- or underflow. */
+  for (int k = 0; k < 3; k++) unit[k] = v[k] / largest;
+  const double length = sqrt(dot(unit, unit));
+  for (int k = 0; k < 3; k++) unit[k] /= length;
+}
+
+static int longest_axis(const double v[3]) {
+  int axis = 0;
+  for (int k = 1; k < 3; k++)
+    if (fabs(v[k]) > fabs(v[axis])) axis = k;
+  return axis;
+}
+
+/* Axes with the third along `normal`, see hc_shape_rectangle. */
+static void axes_about(const double normal[3], double axes[3][3]) {
+  double *const n = axes[2];
+  normalize(normal, n);
+  const int along = longest_axis(n), next = (along + 1) % 3, last = (along + 2) % 3;
+  if (fabs(n[next]) <= 1e-12 && fabs(n[last]) <= 1e-12) {
+    const double sign = n[along] > 0 ? 1 : -1;
+    for (int k = 0; k < 3; k++) {
+      n[k] = k == along ? sign : 0;
+      axes[0][k] = k == next;
+      axes[1][k] = k == last;
+    }
+    return;
+  }
+  double tangent[3];
+  for (int k = 0; k < 3; k++) tangent[k] = (k == next) - n[next] * n[k];
+  normalize(tangent, axes[0]);
+  cross(n, axes[0], axes[1]);
+}
+
+hc_shape hc_shape_box(const double min[3], const double max[3], const double axis[3], double turns,
+                      unsigned open) {
+  hc_shape shape = {.round = 1, .open = open};
+  for (int a = 0; a < 3; a++) {
+    shape.centre[a] = 0.5 * (min[a] + max[a]);
+    shape.high[a] = 0.5 * (max[a] - min[a]);
+    shape.low[a] = -shape.high[a];
+    shape.axes[a][a] = 1;
+  }
+  if (turns == 0) return shape;
+  double u[3];
+  normalize(axis, u);
+  const double cosine = hc_turns_cosine(turns), sine = hc_turns_sine(turns);
+  for (int t = 0; t < 3; t++) {
+    double turned[3];
+    cross(u, shape.axes[t], turned);
+    for (int a = 0; a < 3; a++) turned[a] = cosine * (a == t) + sine * turned[a] + (1 - cosine) * u[t] * u[a];
+    memcpy(shape.axes[t], turned, sizeof turned);
+  }
+  return shape;
+}
+
+hc_shape hc_shape_cylinder(const double base[3], const double axis[3], double radius, double length,
+                           unsigned open) {
+  hc_shape shape = {
+      .round = 2, .low = {0, -0.5 * length, 0}, .high = {radius, 0.5 * length, 0}, .open = 1 | open << 2};
+  axes_about(axis, shape.axes);
+  for (int a = 0; a < 3; a++) shape.centre[a] = base[a] + 0.5 * length * shape.axes[2][a];
+  return shape;
+}
+
+hc_shape hc_shape_sphere(const double centre[3], double radius) {
+  return (hc_shape){.centre = {centre[0], centre[1], centre[2]},
+                    .axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                    .round = 3,
+                    .high = {radius, 0, 0},
+                    .open = 1};
+}
+
+hc_shape hc_shape_rectangle(const double point[3], const double normal[3], const double size[2]) {
+  hc_shape shape = {.centre = {point[0], point[1], point[2]},
+                    .round = 1,
+                    .low = {-0.5 * size[0], -0.5 * size[1], 0},
+                    .high = {0.5 * size[0], 0.5 * size[1], 0},
+                    .open = 0xf | 1u << 5};
+  axes_about(normal, shape.axes);
+  return shape;
+}
+
+int hc_shape_components(const hc_shape *shape) {
+  return 4 - shape->round;
+}
+
+static bool is_open(const hc_shape *shape, int component, int upper) {
+  return shape->open >> (2 * component + upper) & 1;
+}
+
+hc_shape hc_shape_layer(const hc_shape *shape, double spacing, bool solid) {
+  hc_shape layer = *shape;
+  for (int c = 0; c < hc_shape_components(shape); c++) {
+    const bool radius = shape->round > 1 && c == 0;
+    if (solid) {
+      const double thickness = radius ? 2 * shape->high[c] : shape->high[c] - shape->low[c];
+      const bool thin = rint(thickness / spacing) <= 1;
+      const double middle = radius ? 0 : 0.5 * (shape->low[c] + shape->high[c]);
+      if (!radius) layer.low[c] = thin ? middle : shape->low[c] + 0.5 * spacing;
+      layer.high[c] = thin ? middle : shape->high[c] - 0.5 * spacing;
+      continue;
+    }
+    if (!is_open(shape, c, 0)) layer.low[c] -= 0.5 * spacing;
+    if (!is_open(shape, c, 1)) layer.high[c] += 0.5 * spacing;
+  }
+  return layer;
+}
+
+/* The components of a point, and how many there are. */
+static int components_of(const hc_shape *shape, const double x[3], double p[3]) {
+  double from_centre[3], q[3];
+  for (int a = 0; a < 3; a++) from_centre[a] = x[a] - shape->centre[a];
+  for (int t = 0; t < 3; t++) q[t] = dot(shape->axes[t], from_centre);
+  double square = 0;
+  for (int t = 0; t < shape->round; t++) square += q[t] * q[t];
+  p[0] = shape->round == 1 ? q[0] : sqrt(square);
+  for (int t = shape->round; t < 3; t++) p[t - shape->round + 1] = q[t];
+  return hc_shape_components(shape);
+}
+
+static double box_distance(const hc_shape *shape, const double x[3], bool through_open) {
+  double p[3], deepest = -INFINITY, square = 0;
+  const int count = components_of(shape, x, p);
+  for (int c = 0; c < count; c++)
+    for (int upper = 0; upper < 2; upper++) {
+      if (is_open(shape, c, upper) && (through_open || (c == 0 && shape->round > 1))) continue;
+      const double beyond = upper ? p[c] - shape->high[c] : shape->low[c] - p[c];
+      deepest = fmax(deepest, beyond);
+      if (beyond > 0) square += beyond * beyond;
+    }
+  return deepest > 0 ? sqrt(square) : deepest;
+}
+
+double hc_shape_distance(const hc_shape *shape, const double x[3]) {
+  return box_distance(shape, x, false);
+}
+
+double hc_shape_region_distance(const hc_shape *shape, const double x[3]) {
+  return box_distance(shape, x, true);
+}
+
+double hc_shape_surface_distance(const hc_shape *shape, const double x[3]) {
+  double p[3], beyond[3], nearest = INFINITY;
+  const int count = components_of(shape, x, p);
+  for (int c = 0; c < count; c++) beyond[c] = fmax(0, fmax(shape->low[c] - p[c], p[c] - shape->high[c]));
+  for (int c = 0; c < count; c++)
+    for (int upper = 0; upper < 2; upper++) {
+      if (is_open(shape, c, upper)) continue;
+      const double across = p[c] - (upper ? shape->high[c] : shape->low[c]);
+      double square = across * across;
+      for (int other = 0; other < count; other++)
+        if (other != c) square += beyond[other] * beyond[other];
+      nearest = fmin(nearest, sqrt(square));
+    }
+  return nearest;
+}
+
+void hc_shape_face_normal(const hc_shape *shape, int face, double normal[3]) {
+  const int axis = face / 2 + shape->round - 1;
+  HC_CHECK(shape->round == 1 || face >= 2, "face %d of a round shape is not straight", face);
+  for (int a = 0; a < 3; a++) normal[a] = (face % 2 ? 1 : -1) * shape->axes[axis][a];
+}
+
+double hc_shape_reach(const hc_shape *shape) {
+  double square = 0;
+  for (int c = 0; c < hc_shape_components(shape); c++) {
+    const double most = fmax(fabs(shape->low[c]), fabs(shape->high[c]));
+    square += most * most;
+  }
+  return sqrt(square);
+}
+
+void hc_shape_bounds(const hc_shape *shape, double min[3], double max[3]) {
+  for (int a = 0; a < 3; a++) {
+    double round = 0, reach = 0;
+    for (int t = 0; t < 3; t++) {
+      const double part = shape->axes[t][a];
+      if (shape->round > 1 && t < shape->round)
+        round += part * part;
+      else
+        reach += fabs(part) * shape->high[t - shape->round + 1];
+    }
+    reach += sqrt(round) * shape->high[0];
+    min[a] = shape->centre[a] - reach;
+    max[a] = shape->centre[a] + reach;
+  }
+}

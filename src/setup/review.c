@@ -1,0 +1,273 @@
+#include "review.h"
+
+#include "base/memory.h"
+#include "setup/source.h"
+#include "setup/trace.h"
+#include "setup/world_frame.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double slack = 1e-3;   /* spacings: decimal fractions touch, they do not overlap */
+static const double upward = 0.7;   /* cosine of what counts as a top */
+static const double blocked = 0.75; /* spacings between a ray and the samples that stop it */
+
+typedef struct review {
+  const hc_scene *scene;
+  hc_findings *findings;
+  hc_frame frame;
+  double spacing; /* m */
+  hc_setup_source *blocks, *walls;
+  int block_count, wall_count;
+} review;
+
+/* Looks for particles of a block that meet something. */
+typedef struct meeting {
+  const review *review;
+  const hc_setup_source *other; /* a block or wall */
+  hc_shape face;                /* an open one */
+  bool found;
+  double x[3]; /* the first particle found */
+} meeting;
+
+typedef struct path {
+  char text[64];
+} path;
+
+static path path_of(const char *list, int64_t index, const char *key) {
+  path made;
+  snprintf(made.text, sizeof made.text, "%s[%lld]%s", list, (long long)index, key);
+  return made;
+}
+
+static double distance(const review *r, double (*function)(const hc_shape *, const double[3]),
+                       const hc_shape *shape, const double x[3]) {
+  return hc_trace_distance(&r->frame, function, shape, x);
+}
+
+static bool note_first(void *context, int64_t k, const int64_t point[3], const double x[3]) {
+  (void)k;
+  (void)point;
+  meeting *const m = context;
+  m->found = true;
+  memcpy(m->x, x, sizeof m->x);
+  return false;
+}
+
+static bool meets(meeting *m, const hc_setup_source *block,
+                  double (*clearance)(const void *context, const double x[3])) {
+  m->found = false;
+  hc_trace_run(&m->review->frame, &block->sampling, &(hc_trace){m, clearance, note_first});
+  return m->found;
+}
+
+static double clearance_of_wall(const void *context, const double x[3]) {
+  const meeting *const m = context;
+  const review *const r = m->review;
+  const double samples = distance(r, hc_shape_surface_distance, &m->other->layer, x) - 0.5 * r->spacing;
+  const double solid = m->other->solid ? distance(r, hc_shape_distance, &m->other->shape, x) : INFINITY;
+  return fmin(samples, solid) + slack * r->spacing;
+}
+
+static double clearance_of_block(const void *context, const double x[3]) {
+  const meeting *const m = context;
+  return distance(m->review, hc_shape_distance, &m->other->shape, x) + slack * m->review->spacing;
+}
+
+/* Of the outside of all containers. */
+static double clearance_of_outside(const void *context, const double x[3]) {
+  const review *const r = ((const meeting *)context)->review;
+  double nearest = INFINITY;
+  for (int w = 0; w < r->wall_count; w++)
+    if (!r->walls[w].solid)
+      nearest = fmin(nearest, distance(r, hc_shape_region_distance, &r->walls[w].shape, x));
+  return slack * r->spacing - nearest;
+}
+
+static bool far_apart(const review *r, const hc_shape *shape, const hc_setup_source *block, double margin) {
+  return distance(r, hc_shape_distance, shape, block->shape.centre) > hc_shape_reach(&block->shape) + margin;
+}
+
+/* --- Errors --- */
+
+static void review_size(const review *r, const hc_setup_source *block) {
+  if (hc_source_count(block) > 0) return;
+  const hc_shape *const shape = &block->shape;
+  double thinnest = INFINITY;
+  for (int c = 0; c < hc_shape_components(shape); c++)
+    thinnest =
+        fmin(thinnest, shape->round > 1 && c == 0 ? 2 * shape->high[0] : shape->high[c] - shape->low[c]);
+  hc_findings_error(r->findings, path_of("fluid.blocks", block->number, "").text,
+                    "%s must be thick enough for a particle, at least particle_spacing (%g m), not %g m",
+                    hc_source_block_name((int)block->number).text, r->scene->particle_spacing, thinnest);
+}
+
+static bool review_wall(const review *r, const hc_setup_source *block, const hc_setup_source *wall) {
+  if (hc_sampling_count(&wall->sampling) == 0 || far_apart(r, &wall->layer, block, r->spacing)) return false;
+  meeting m = {.review = r, .other = wall};
+  if (!meets(&m, block, clearance_of_wall)) return false;
+  const int number = (int)wall->number;
+  hc_findings_error(r->findings, path_of("fluid.blocks", block->number, "").text,
+                    "%s must %s %s: a particle would start at (%.6g, %.6g, %.6g) m, %s its surface",
+                    hc_source_block_name((int)block->number).text,
+                    wall->solid ? "stay out of" : "not reach into",
+                    hc_source_wall_name(&r->scene->boundary.walls[number], number).text, m.x[0], m.x[1],
+                    m.x[2], wall->solid ? "within" : "behind");
+  return true;
+}
+
+static void review_walls(const review *r, const hc_setup_source *block) {
+  bool reported = false, contained = true;
+  for (int w = 0; w < r->wall_count; w++) {
+    reported |= review_wall(r, block, &r->walls[w]);
+    contained &= r->walls[w].solid;
+  }
+  meeting m = {.review = r};
+  if (reported || contained || !meets(&m, block, clearance_of_outside)) return;
+  hc_findings_error(r->findings, path_of("fluid.blocks", block->number, "").text,
+                    "%s must lie within the containers of the scene or above their open faces: a particle "
+                    "would start at (%.6g, %.6g, %.6g) m, outside of all walls",
+                    hc_source_block_name((int)block->number).text, m.x[0], m.x[1], m.x[2]);
+}
+
+static void review_overlap(const review *r, const hc_setup_source *earlier, const hc_setup_source *later) {
+  if (far_apart(r, &earlier->shape, later, 0) || far_apart(r, &later->shape, earlier, 0)) return;
+  meeting in_later = {.review = r, .other = later}, in_earlier = {.review = r, .other = earlier};
+  const meeting *found = NULL;
+  if (meets(&in_earlier, later, clearance_of_block))
+    found = &in_earlier;
+  else if (meets(&in_later, earlier, clearance_of_block))
+    found = &in_later;
+  if (!found) return;
+  hc_findings_error(r->findings, path_of("fluid.blocks", later->number, "").text,
+                    "%s must not overlap %s: a particle would start at (%.6g, %.6g, %.6g) m, within both",
+                    hc_source_block_name((int)later->number).text,
+                    hc_source_block_name((int)earlier->number).text, found->x[0], found->x[1], found->x[2]);
+}
+
+/* --- Warnings --- */
+
+/* At the face, on the container's side of it. */
+static double clearance_of_face(const void *context, const double x[3]) {
+  const meeting *const m = context;
+  const review *const r = m->review;
+  const double face = distance(r, hc_shape_surface_distance, &m->face, x) - r->spacing;
+  return fmax(face, distance(r, hc_shape_distance, &m->other->shape, x) - slack * r->spacing);
+}
+
+/* Whether a ray from `x` meets a wall other than `own`. */
+static bool is_blocked(const review *r, const hc_setup_source *own, const double x[3], const double ray[3]) {
+  double end = 0;
+  for (int w = 0; w < r->wall_count; w++) {
+    const double *const c = r->walls[w].shape.centre;
+    const double away =
+        sqrt((c[0] - x[0]) * (c[0] - x[0]) + (c[1] - x[1]) * (c[1] - x[1]) + (c[2] - x[2]) * (c[2] - x[2]));
+    end = fmax(end, away + hc_shape_reach(&r->walls[w].layer));
+  }
+  for (double along = 0; along <= end;) {
+    const double at[3] = {x[0] + along * ray[0], x[1] + along * ray[1], x[2] + along * ray[2]};
+    double nearest = INFINITY;
+    for (int w = 0; w < r->wall_count; w++)
+      if (&r->walls[w] != own)
+        nearest = fmin(nearest, distance(r, hc_shape_surface_distance, &r->walls[w].layer, at));
+    if (nearest < blocked * r->spacing) return true;
+    along += nearest - 0.5 * r->spacing;
+  }
+  return false;
+}
+
+/* Whether a face looks neither up nor along a periodic axis. */
+static bool may_spill(const review *r, const double normal[3]) {
+  double along = 0, square = 0;
+  for (int a = 0; a < 3; a++) {
+    if (r->frame.period[a] > 0 && fabs(normal[a]) > slack) return false;
+    along -= r->scene->gravity[a] * normal[a];
+    square += r->scene->gravity[a] * r->scene->gravity[a];
+  }
+  return square > 0 && along < upward * sqrt(square);
+}
+
+static void review_spills(const review *r, const hc_setup_source *block, const hc_setup_source *wall) {
+  static const char *const box_faces[] = {"face -x", "face +x", "face -y", "face +y", "face -z", "face +z"};
+  static const char *const ends[] = {"", "", "base", "top"};
+  const hc_shape *const shape = &wall->shape;
+  const int number = (int)wall->number;
+  if (wall->solid || r->scene->boundary.walls[number].form == HC_FORM_PLANE) return;
+  if (far_apart(r, shape, block, 0)) return;
+  for (int face = shape->round > 1 ? 2 : 0; face < 2 * hc_shape_components(shape); face++) {
+    if (!(shape->open >> face & 1)) continue;
+    double normal[3];
+    hc_shape_face_normal(shape, face, normal);
+    if (!may_spill(r, normal)) continue;
+    meeting m = {.review = r, .other = wall, .face = *shape};
+    m.face.open = ~(1u << face);
+    if (!meets(&m, block, clearance_of_face) || is_blocked(r, wall, m.x, normal)) continue;
+    hc_findings_warning(
+        r->findings, path_of("boundary.walls", wall->number, ".open").text,
+        "%s reaches the open %s of %s at (%.6g, %.6g, %.6g) m and no other wall stands behind "
+        "it: the fluid runs out at once",
+        hc_source_block_name((int)block->number).text, (shape->round > 1 ? ends : box_faces)[face],
+        hc_source_wall_name(&r->scene->boundary.walls[number], number).text, m.x[0], m.x[1], m.x[2]);
+  }
+}
+
+/* --- The scene --- */
+
+/* Each periodic axis for itself, so that all are heard of. */
+static bool review_frame(review *r) {
+  bool good = true;
+  hc_error error;
+  for (int a = 0; a < 3; a++) {
+    if (!r->scene->domain.periodic[a]) continue;
+    hc_scene alone = *r->scene;
+    for (int b = 0; b < 3; b++) alone.domain.periodic[b] = b == a;
+    if (hc_setup_frame(&alone, &r->frame, &error) == HC_OK) continue;
+    hc_findings_error(r->findings, "domain.max", "%s", error.text);
+    good = false;
+  }
+  if (!good) return false;
+  if (hc_setup_frame(r->scene, &r->frame, &error) == HC_OK) return true;
+  hc_findings_error(r->findings, "", "%s", error.text);
+  return false;
+}
+
+/* Sources that are refused are said and left out. */
+static void make_sources(review *r) {
+  hc_error error;
+  for (int k = 0; k < r->scene->fluid.block_count; k++) {
+    hc_setup_source *const block = &r->blocks[r->block_count++];
+    if (hc_source_block(&r->frame, &r->scene->fluid.blocks[k], k, block, &error) == HC_OK) continue;
+    hc_findings_error(r->findings, path_of("fluid.blocks", k, "").text, "%s", error.text);
+    hc_source_free(&r->blocks[--r->block_count]);
+  }
+  for (int k = 0; k < r->scene->boundary.wall_count; k++) {
+    hc_setup_source *const wall = &r->walls[r->wall_count++];
+    if (hc_source_wall(&r->frame, &r->scene->boundary.walls[k], k, wall, &error) == HC_OK) continue;
+    hc_findings_error(r->findings, path_of("boundary.walls", k, "").text, "%s", error.text);
+    hc_source_free(&r->walls[--r->wall_count]);
+  }
+}
+
+void hc_setup_review(const hc_scene *scene, hc_findings *findings) {
+  if (scene->fluid.block_count == 0)
+    hc_findings_error(findings, "fluid.blocks",
+                      "fluid.blocks must have at least one block: there is no fluid");
+  review r = {.scene = scene, .findings = findings};
+  if (!review_frame(&r)) return;
+  r.spacing = hc_trace_spacing(&r.frame);
+  r.blocks = hc_alloc((size_t)scene->fluid.block_count, sizeof *r.blocks);
+  r.walls = hc_alloc((size_t)scene->boundary.wall_count, sizeof *r.walls);
+  make_sources(&r);
+  const bool all_walls = r.wall_count == scene->boundary.wall_count;
+  for (int b = 0; b < r.block_count; b++) {
+    review_size(&r, &r.blocks[b]);
+    if (all_walls) review_walls(&r, &r.blocks[b]);
+    for (int earlier = 0; earlier < b; earlier++) review_overlap(&r, &r.blocks[earlier], &r.blocks[b]);
+    for (int w = 0; w < r.wall_count; w++) review_spills(&r, &r.blocks[b], &r.walls[w]);
+  }
+  for (int b = 0; b < r.block_count; b++) hc_source_free(&r.blocks[b]);
+  for (int w = 0; w < r.wall_count; w++) hc_source_free(&r.walls[w]);
+  hc_free(r.blocks);
+  hc_free(r.walls);
+}

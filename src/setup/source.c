@@ -1,0 +1,235 @@
+#include "source.h"
+
+#include "geometry/round.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double max_cells = (double)((int64_t)1 << 31); /* of a coordinate from the scene's origin */
+static const char axis_names[] = "xyz";
+
+_Static_assert(HC_FACE_MINUS_X == 1 && HC_FACE_PLUS_X == 2 && HC_FACE_MINUS_Y == 4 && HC_FACE_PLUS_Y == 8 &&
+                   HC_FACE_MINUS_Z == 16 && HC_FACE_PLUS_Z == 32,
+               "the samplings take the scene's bits of open faces");
+
+hc_source_name hc_source_block_name(int number) {
+  hc_source_name name;
+  snprintf(name.text, sizeof name.text, "fluid.blocks[%d]", number);
+  return name;
+}
+
+hc_source_name hc_source_wall_name(const hc_wall *wall, int number) {
+  hc_source_name name;
+  const int length = snprintf(name.text, sizeof name.text, "boundary.walls[%d]", number);
+  if (wall->name[0])
+    snprintf(name.text + length, sizeof name.text - (size_t)length, " \"%.*s\"", HC_NAME_LENGTH, wall->name);
+  return name;
+}
+
+static bool in_reach(const hc_frame *frame, double metres) {
+  return fabs(metres) <= max_cells * frame->support_radius; /* false for NaN */
+}
+
+static hc_status check_box(const hc_frame *frame, const hc_box *box, const char *name, hc_error *error) {
+  for (int a = 0; a < 3; a++) {
+    if (!in_reach(frame, box->min[a]) || !in_reach(frame, box->max[a]))
+      return hc_error_set(
+          error, HC_BAD_INPUT,
+          "%s: coordinates must lie within 2^31 support radii of the origin, got %g to %g m along %c", name,
+          box->min[a], box->max[a], axis_names[a]);
+    if (!(box->max[a] > box->min[a]))
+      return hc_error_set(error, HC_BAD_INPUT, "%s: box.max must be above box.min, got %g to %g m along %c",
+                          name, box->min[a], box->max[a], axis_names[a]);
+  }
+  return HC_OK;
+}
+
+static hc_status check_point(const hc_frame *frame, const double x[3], const char *what, const char *name,
+                             hc_error *error) {
+  for (int a = 0; a < 3; a++)
+    if (!in_reach(frame, x[a]))
+      return hc_error_set(error, HC_BAD_INPUT,
+                          "%s: %s must lie within 2^31 support radii of the origin, got %g m along %c", name,
+                          what, x[a], axis_names[a]);
+  return HC_OK;
+}
+
+static hc_status check_direction(const double v[3], const char *what, const char *name, hc_error *error) {
+  const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+  if (largest > 0 && isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2])) return HC_OK;
+  return hc_error_set(error, HC_BAD_INPUT, "%s: the %s must have a length, got [%g, %g, %g]", name, what,
+                      v[0], v[1], v[2]);
+}
+
+static hc_status check_length(const hc_frame *frame, double length, const char *what, const char *name,
+                              hc_error *error) {
+  if (length > 0 && in_reach(frame, length)) return HC_OK;
+  return hc_error_set(error, HC_BAD_INPUT, "%s: %s must be above 0 and within 2^31 support radii, got %g m",
+                      name, what, length);
+}
+
+static hc_status check_plane(const hc_frame *frame, const hc_wall *wall, const char *name, hc_error *error) {
+  hc_status status = check_point(frame, wall->point, "point", name, error);
+  if (!status) status = check_direction(wall->normal, "normal", name, error);
+  for (int t = 0; t < 2 && !status; t++) status = check_length(frame, wall->size[t], "size", name, error);
+  return status;
+}
+
+static hc_status check_cylinder(const hc_frame *frame, const hc_cylinder *cylinder, const char *name,
+                                hc_error *error) {
+  hc_status status = check_point(frame, cylinder->base, "base", name, error);
+  if (!status) status = check_direction(cylinder->axis, "axis", name, error);
+  if (!status) status = check_length(frame, cylinder->radius, "radius", name, error);
+  if (!status) status = check_length(frame, cylinder->length, "length", name, error);
+  return status;
+}
+
+static hc_status check_sphere(const hc_frame *frame, const hc_sphere *sphere, const char *name,
+                              hc_error *error) {
+  const hc_status status = check_point(frame, sphere->center, "center", name, error);
+  return status ? status : check_length(frame, sphere->radius, "radius", name, error);
+}
+
+static hc_status check_turned_box(const hc_frame *frame, const hc_box *box, const hc_rotation *rotation,
+                                  const char *name, hc_error *error) {
+  const hc_status status = check_box(frame, box, name, error);
+  if (status || rotation->angle == 0) return status;
+  if (!isfinite(rotation->angle))
+    return hc_error_set(error, HC_BAD_INPUT, "%s: rotation.angle must be finite, got %g degrees", name,
+                        rotation->angle);
+  return check_direction(rotation->axis, "rotation.axis", name, error);
+}
+
+/* What blocks and walls have in common. */
+typedef struct form {
+  hc_form form;
+  const hc_box *box;
+  const hc_rotation *rotation;
+  const hc_cylinder *cylinder;
+  const hc_sphere *sphere;
+  unsigned open;
+} form;
+
+static form form_of_block(const hc_block *block) {
+  return (form){block->form, &block->box, &block->rotation, &block->cylinder, &block->sphere, 0};
+}
+
+/* Not of a plane. */
+static hc_status check_form(const hc_frame *frame, const form *f, const char *name, hc_error *error) {
+  if (f->form == HC_FORM_CYLINDER) return check_cylinder(frame, f->cylinder, name, error);
+  if (f->form == HC_FORM_SPHERE) return check_sphere(frame, f->sphere, name, error);
+  return check_turned_box(frame, f->box, f->rotation, name, error);
+}
+
+static hc_shape shape_of(const form *f) {
+  if (f->form == HC_FORM_CYLINDER)
+    return hc_shape_cylinder(f->cylinder->base, f->cylinder->axis, f->cylinder->radius, f->cylinder->length,
+                             f->open / HC_FACE_BASE);
+  if (f->form == HC_FORM_SPHERE) return hc_shape_sphere(f->sphere->center, f->sphere->radius);
+  return hc_shape_box(f->box->min, f->box->max, f->rotation->axis, f->rotation->angle / 360, f->open);
+}
+
+static bool is_plain_box(const form *f) {
+  return f->form == HC_FORM_BOX && f->rotation->angle == 0;
+}
+
+/* Counts must fit the ids, and nothing may meet its own periodic image. */
+static hc_status check_sampling(const hc_frame *frame, const hc_sampling *sampling, bool closed,
+                                const char *name, hc_error *error) {
+  const int64_t count = hc_sampling_count(sampling);
+  if (count > HC_ID_MAX_COUNTER)
+    return hc_error_set(error, HC_BAD_INPUT, "%s: must have at most 2^%d particles, got %s%lld", name,
+                        HC_ID_COUNTER_BITS, count == INT64_MAX ? "more than " : "",
+                        count == INT64_MAX ? HC_ID_MAX_COUNTER : (long long)count);
+  if (count == 0) return HC_OK;
+  int64_t low[3], high[3];
+  hc_sampling_bounds(sampling, low, high);
+  for (int a = 0; a < 3; a++)
+    if (frame->period[a] > 0 && high[a] - low[a] > frame->period[a] - frame->spacing[a] / 2)
+      return hc_error_set(
+          error, HC_BAD_INPUT,
+          "%s: must not meet itself around the period of %g m along %c: its particles span %g m and "
+          "must span at most the period less half a spacing%s",
+          name, (double)frame->period[a] * frame->unit[a], axis_names[a],
+          (double)(high[a] - low[a]) * frame->unit[a],
+          closed ? " (a container as long as the period: open its faces there)" : "");
+  return HC_OK;
+}
+
+static hc_lattice lattice_of(const hc_frame *frame) {
+  hc_lattice lattice;
+  for (int a = 0; a < 3; a++) {
+    lattice.unit[a] = frame->unit[a];
+    lattice.origin[a] = frame->origin[a];
+    lattice.spacing[a] = frame->spacing[a];
+  }
+  return lattice;
+}
+
+hc_status hc_source_block(const hc_frame *frame, const hc_block *block, int number, hc_setup_source *source,
+                          hc_error *error) {
+  *source = (hc_setup_source){.kind = HC_ID_FLUID, .number = number};
+  const hc_source_name name = hc_source_block_name(number);
+  const form f = form_of_block(block);
+  const hc_status status = check_form(frame, &f, name.text, error);
+  if (status) return status;
+  for (int a = 0; a < 3; a++) {
+    if (!isfinite(block->velocity[a]))
+      return hc_error_set(error, HC_BAD_INPUT, "%s: velocity must be finite, got %g m/s along %c", name.text,
+                          block->velocity[a], axis_names[a]);
+    source->velocity[a] = block->velocity[a];
+  }
+  if (block->flow.type != HC_FLOW_NONE && !(block->flow.length > 0 && isfinite(block->flow.speed)))
+    return hc_error_set(error, HC_BAD_INPUT,
+                        "%s: flow.length must be above 0 and flow.speed finite, got %g m and %g m/s",
+                        name.text, block->flow.length, block->flow.speed);
+  source->flow = block->flow;
+  source->shape = shape_of(&f);
+  const hc_lattice lattice = lattice_of(frame);
+  source->sampling = is_plain_box(&f) ? hc_sampling_block(&lattice, block->box.min, block->box.max)
+                                      : hc_round_fill(&lattice, &source->shape);
+  return check_sampling(frame, &source->sampling, false, name.text, error);
+}
+
+static hc_sampling sample_wall(const hc_lattice *lattice, const hc_wall *wall, const form *f,
+                               const hc_setup_source *source) {
+  if (wall->form == HC_FORM_PLANE) return hc_sampling_plane(lattice, wall->point, wall->normal, wall->size);
+  if (!is_plain_box(f)) return hc_round_wall(lattice, &source->shape, source->solid);
+  return (source->solid ? hc_sampling_solid : hc_sampling_container)(lattice, wall->box.min, wall->box.max,
+                                                                     wall->open);
+}
+
+hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number, hc_setup_source *source,
+                         hc_error *error) {
+  const bool plane = wall->form == HC_FORM_PLANE;
+  *source = (hc_setup_source){
+      .kind = HC_ID_BOUNDARY, .number = number, .solid = !plane && wall->inside == HC_INSIDE_SOLID};
+  const hc_source_name name = hc_source_wall_name(wall, number);
+  const form f = {wall->form, &wall->box, &wall->rotation, &wall->cylinder, &wall->sphere, wall->open};
+  const hc_status status =
+      plane ? check_plane(frame, wall, name.text, error) : check_form(frame, &f, name.text, error);
+  if (status) return status;
+  const hc_lattice lattice = lattice_of(frame);
+  source->shape = plane ? hc_shape_rectangle(wall->point, wall->normal, wall->size) : shape_of(&f);
+  source->layer = hc_shape_layer(&source->shape, (double)lattice.spacing[0] * lattice.unit[0], source->solid);
+  source->sampling = sample_wall(&lattice, wall, &f, source);
+  return check_sampling(frame, &source->sampling, !plane, name.text, error);
+}
+
+void hc_source_free(hc_setup_source *source) {
+  hc_sampling_free(&source->sampling);
+  hc_gaps_free(&source->gaps);
+}
+
+int64_t hc_source_count(const hc_setup_source *source) {
+  return hc_sampling_count(&source->sampling) - hc_gaps_total(&source->gaps);
+}
+
+hc_box hc_source_block_bounds(const hc_block *block) {
+  if (block->form == HC_FORM_BOX && block->rotation.angle == 0) return block->box;
+  const form f = form_of_block(block);
+  const hc_shape shape = shape_of(&f);
+  hc_box bounds;
+  hc_shape_bounds(&shape, bounds.min, bounds.max);
+  return bounds;
+}

@@ -1,0 +1,47 @@
+/* A block of fluid or a wall, ready to be sampled. */
+#ifndef HC_SOURCE_H
+#define HC_SOURCE_H
+
+#include "geometry/sampling.h"
+#include "halocline/error.h"
+#include "particles/ids.h"
+#include "scene/scene.h"
+#include "setup/gaps.h"
+#include "space/frame.h"
+
+typedef struct hc_setup_source {
+  hc_sampling sampling;
+  hc_gaps gaps; /* samples of it that are left out */
+  hc_id_kind kind;
+  int64_t number;     /* place in fluid.blocks or boundary.walls */
+  int64_t first;      /* particles of the same kind before it */
+  double velocity[3]; /* m/s; 0 for walls */
+  hc_flow flow;       /* added to it */
+  hc_shape shape;     /* the block, or the wall's wetted surface */
+  hc_shape layer;     /* walls: the surface on which the samples lie */
+  bool solid;         /* walls: an obstacle */
+} hc_setup_source;
+
+/* What messages call a source: fluid.blocks[2], boundary.walls[1] "tank". */
+typedef struct hc_source_name {
+  char text[HC_NAME_LENGTH + 64];
+} hc_source_name;
+
+hc_source_name hc_source_block_name(int number);
+hc_source_name hc_source_wall_name(const hc_wall *wall, int number);
+
+/* Fill a source from entry `number` of the scene; `first` stays 0 and no samples are left out. To be freed
+ * with hc_source_free, also after an error: see hc_setup_plan_make for these. Local. */
+hc_status hc_source_block(const hc_frame *frame, const hc_block *block, int number, hc_setup_source *source,
+                          hc_error *error);
+hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number, hc_setup_source *source,
+                         hc_error *error);
+void hc_source_free(hc_setup_source *source);
+
+/* Particles that the source makes. */
+int64_t hc_source_count(const hc_setup_source *source);
+
+/* The smallest box around a block's shape, m. */
+hc_box hc_source_block_bounds(const hc_block *block);
+
+#endif

@@ -1,0 +1,47 @@
+#include "trace.h"
+
+#include <math.h>
+
+/* Of spacings, between neighbours in a row: see hc_sampling_row_end. */
+static const double longest_step = 1.5 * (1 + 1e-6);
+
+double hc_trace_spacing(const hc_frame *frame) {
+  return (double)frame->spacing[0] * frame->unit[0];
+}
+
+void hc_trace_run(const hc_frame *frame, const hc_sampling *sampling, const hc_trace *trace) {
+  const double step = longest_step * hc_trace_spacing(frame);
+  const int64_t count = hc_sampling_count(sampling);
+  for (int64_t k = 0; k < count;) {
+    int64_t point[3];
+    double x[3];
+    hc_sampling_point(sampling, k, point);
+    for (int a = 0; a < 3; a++) x[a] = hc_frame_to_metres(frame, a, point[a]);
+    const double clear = trace->clearance(trace->context, x);
+    if (clear <= 0 && !trace->found(trace->context, k, point, x)) return;
+    const int64_t end = hc_sampling_row_end(sampling, k);
+    const double passed = fmax(1, ceil(clear / step));
+    k = passed < (double)(end - k) ? k + (int64_t)passed : end;
+  }
+}
+
+double hc_trace_distance(const hc_frame *frame, double (*distance)(const hc_shape *shape, const double x[3]),
+                         const hc_shape *shape, const double x[3]) {
+  double nearest = INFINITY, from[3], step[3];
+  for (int a = 0; a < 3; a++) {
+    const double period = (double)frame->period[a] * frame->unit[a];
+    const double offset = x[a] - shape->centre[a];
+    step[a] = period;
+    from[a] = period > 0 ? x[a] - period * (rint(offset / period) + 1) : x[a];
+  }
+  double image[3];
+  for (int i = 0; i < (step[0] > 0 ? 3 : 1); i++)
+    for (int j = 0; j < (step[1] > 0 ? 3 : 1); j++)
+      for (int k = 0; k < (step[2] > 0 ? 3 : 1); k++) {
+        image[0] = from[0] + i * step[0];
+        image[1] = from[1] + j * step[1];
+        image[2] = from[2] + k * step[2];
+        nearest = fmin(nearest, distance(shape, image));
+      }
+  return nearest;
+}

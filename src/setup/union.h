@@ -1,0 +1,18 @@
+/* Walls that touch, cross or coincide, made one: no sample closer than half a spacing to one of an earlier
+ * wall.
+ *
+ * Method: walls in the scene's order; a sample goes if a sample of an earlier wall that was kept lies closer
+ * than half a spacing. What went thus has a neighbour at its place, so surfaces stay as closed as they were.
+ * Samples inside another wall's solid stay: they do no harm. Only samples near the surface of another wall
+ * are looked at one by one (trace.h), and only those of earlier walls are stored, one wall's at a time.
+ *
+ * Local: every rank comes to the same result. */
+#ifndef HC_UNION_H
+#define HC_UNION_H
+
+#include "setup/source.h"
+
+/* Fills `gaps` of all the walls, which must be empty. */
+void hc_union_drop(const hc_frame *frame, hc_setup_source *walls, int count);
+
+#endif
