@@ -420,9 +420,10 @@ def outputs(case, _):
 
 
 def short_of_memory(case, folder, ranks):
-    """Too little memory for the particles is foreseen; too little for all the rest is met by an allocation."""
-    spacing = {1: 4e-3, 3: 3e-3}[ranks]  # 1 and 2.4 million particles, about 370 and 300 MB on a rank
-    for limit in {1: (300, 400), 3: (250, 330)}[ranks]:
+    """Too little memory for the particles is foreseen; too little for all the rest is met by an allocation. With less
+    than 600 MB the MPI library itself may hang."""
+    spacing = {1: 3e-3, 3: 2e-3}[ranks]  # 2.4 and 8 million particles, foreseen with 860 and 930 MB on a rank
+    for limit in {1: (600, 880), 3: (600, 950)}[ranks]:
         code, text = start(case, ["run", "scene.yaml", "-o", "out", "--quiet", "--steps", "1", "--set",
                                   f"particle_spacing={spacing}"], folder, ranks, within=["prlimit", f"--as={limit}000000"])
         what = f"{limit} MB of memory, {ranks} ranks"
