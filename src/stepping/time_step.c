@@ -27,12 +27,14 @@ double hc_time_step_next(const hc_step_settings *settings, double time, double d
      */
     shrink(&dt, dt_before > 0.0 ? 1.1 * dt_before : FIRST_STEP * settings->max, HC_BOUND_GROWTH, bound);
   }
-  /* The last step ends the run on time; a sliver that rounding would leave behind is taken along. */
-  if (time + dt * (1.0 + 1e-9) >= settings->end_time) {
-    dt = settings->end_time - time;
+  /* The last step ends the run on time; a sliver that rounding would leave behind is taken along. A much shorter
+   * last step would turn what density error is left into velocity, so the last two share the time. */
+  const double left = settings->end_time - time;
+  if (dt * (1.0 + 1e-9) >= left) {
     *bound = HC_BOUND_END;
+    return left;
   }
-  return dt;
+  return settings->control == HC_STEP_CFL ? fmin(dt, 0.5 * left) : dt;
 }
 
 const char *hc_step_bound_name(hc_step_bound bound) {

@@ -118,12 +118,12 @@ output: {snapshots: {every: 0, fields: []}}
     text = case.call(["check", scene])
     for line in ("  boundary.walls[0] floor 100, ", ", bounded by: velocity"):
         c.expect(line in text, f'"{line}" is not in\n{text}')
-    empty = check(case, scene, 2, ("fluid.blocks=[]", "boundary.walls=[]"))
-    c.expect(empty["fluid"] == 0 and empty["extents"]["all"] is None, f"an empty scene: {empty}")
+    bare = check(case, scene, 2, ("boundary.walls=[]",))
+    c.expect(bare["boundary"] == 0 and bare["extents"]["boundary"] is None, f"a scene without walls: {bare}")
     case.call(["check", scene, "--set", "end_time=-1", "--json"], expected=2)
     text = case.call(["check", scene, "--set", "particle_spacing=0.0001", "--set", "support_radius=0.0002"], expected=2)
     c.expect("a rank can hold at most" in text, f"more particles than a rank can hold: {text}")
-    return "blocks, walls, first step and empty scenes are right"
+    return "blocks, walls, first step and scenes without walls are right"
 
 
 def info(case, steps):

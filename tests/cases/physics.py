@@ -109,7 +109,7 @@ def hydrostatic_walled(case, _steps):
 def taylor_green(case, _steps):
     """Decay of periodic vortices at Reynolds number 100: viscous force, periodic axes, disordered start."""
     viscosity = 0.01
-    output = case.run("scenes/taylor_green.yaml", "taylor_green", 2, ("end_time=0.4", "output.snapshots.every=0"))
+    output = case.run("scenes/taylor_green.yaml", "taylor_green", 2, ("end_time=1", "output.snapshots.every=0"))
     rows = c.steps(output)
     time = np.array([float(r["time"]) for r in rows])
     energy = np.array([float(r["kinetic_energy"]) for r in rows])

@@ -112,10 +112,11 @@ START_TEST(the_end_is_not_overstepped) {
   settings.end_time = 0.5;
   expect(&settings, 0.4985, 1, moving(1, 1), HC_BOUND_END, 0.5 - 0.4985);
   expect(&settings, 0.496, 1, moving(1, 1), HC_BOUND_END, 0.5 - 0.496);
-  expect(&settings, 0.495, 1, moving(1, 1), HC_BOUND_SIZE, 0.004);
+  expect(&settings, 0.4919, 1, moving(1, 1), HC_BOUND_SIZE, 0.004);
   expect(&settings, 0.496 - 1e-13, 1, moving(1, 1), HC_BOUND_END,
          0.5 - (0.496 - 1e-13)); /* takes a sliver along */
-  expect(&settings, 0.496 - 1e-10, 1, moving(1, 1), HC_BOUND_SIZE, 0.004);
+  expect(&settings, 0.496 - 1e-10, 1, moving(1, 1), HC_BOUND_SIZE, 0.5 * (0.5 - (0.496 - 1e-10)));
+  expect(&settings, 0.493, 1, moving(1, 1), HC_BOUND_SIZE, 0.5 * (0.5 - 0.493)); /* the last two share */
   expect(&settings, 0.4999, 1e-5, moving(1, 1), HC_BOUND_GROWTH, 1.1e-5); /* the others still bind */
 }
 END_TEST
