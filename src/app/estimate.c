@@ -2,6 +2,7 @@
 
 #include "base/check.h"
 #include "base/memory.h"
+#include "gauges/gauges.h"
 #include "setup/populate.h"
 #include "setup/world_frame.h"
 #include "simulation.h"
@@ -12,12 +13,14 @@
 /* Bytes; see the head of estimate.h. */
 enum {
   PROGRAM = 30 << 20,
-  FLUID = 330,
+  FLUID = 170,
+  NEIGHBORS = 20, /* times the cube of the support radius in spacings */
   WALL = 110,
   GHOST = 80,
   WRITING = 30,
   WRITING_SLICE = 65536, /* particles */
   STEP_ROWS = 200,       /* of a step in steps.csv and load.csv */
+  GAUGE_VALUE = 20,      /* in gauges.csv */
   SERIES_ENTRY = 60,     /* of a snapshot in run.hdf.series */
   OTHER_FILES = 8192     /* scene.yaml, run.log, timings.json */
 };
@@ -123,7 +126,8 @@ static hc_status estimate_particles(const hc_setup_plan *plan, hc_estimate *esti
 static void estimate_steps(const hc_scene *scene, double v2_max, hc_estimate *estimate) {
   const hc_step_settings step = hc_step_settings_of(scene);
   const hc_step_report start = hc_simulation_start_report(scene, v2_max);
-  estimate->first_step = hc_time_step_next(&step, 0.0, 0.0, &start, &estimate->bound);
+  estimate->first_step =
+      hc_time_step_next(&step, 0.0, hc_simulation_settle_step(scene), &start, &estimate->bound);
   const double longest = step.control == HC_STEP_CONSTANT ? step.size : step.max;
   estimate->steps = (int64_t)ceil(scene->end_time / longest * (1.0 - 1e-12));
 }
@@ -149,6 +153,15 @@ static int longest_axis(const hc_estimate_set *set) {
   return longest;
 }
 
+static double fluid_bytes(const hc_scene *scene) {
+  return FLUID + NEIGHBORS * pow(scene->support_radius / scene->particle_spacing, 3);
+}
+
+double hc_estimate_least_memory(const hc_scene *scene, const hc_setup_plan *plan, int64_t ranks) {
+  return PROGRAM + (fluid_bytes(scene) * (double)plan->fluid_count + WALL * (double)plan->boundary_count) /
+                       (double)ranks;
+}
+
 static void estimate_memory(const hc_scene *scene, hc_estimate *estimate) {
   const double ranks = (double)estimate->ranks;
   const double fluid = (double)estimate->fluid.count, boundary = (double)estimate->boundary.count;
@@ -163,7 +176,7 @@ static void estimate_memory(const hc_scene *scene, hc_estimate *estimate) {
   if (boundary > 0)
     ghosts += boundary / ranks * ghost_share(scene, &estimate->boundary, axis, estimate->ranks);
   estimate->memory_program = PROGRAM;
-  estimate->memory_fluid = FLUID * own_fluid;
+  estimate->memory_fluid = fluid_bytes(scene) * own_fluid;
   estimate->memory_boundary = WALL * own_boundary;
   estimate->memory_ghosts = GHOST * ghosts;
   estimate->memory_writing = WRITING * fmin(own_fluid + own_boundary, WRITING_SLICE);
@@ -182,8 +195,12 @@ static hc_status estimate_output(const hc_scene *scene, hc_estimate *estimate, h
   if (scene->time_step.control == HC_TIME_CONSTANT && estimate->snapshots > estimate->steps + 1)
     estimate->snapshots = estimate->steps + 1;
   estimate->snapshot_bytes = (double)bytes;
+  double readings = (double)estimate->steps;
+  if (scene->output.gauges_every > 0.0)
+    readings = fmin(readings, scene->end_time / scene->output.gauges_every);
   estimate->output_bytes = (double)estimate->snapshots * ((double)bytes + SERIES_ENTRY) +
-                           (double)estimate->steps * STEP_ROWS + OTHER_FILES;
+                           (double)estimate->steps * STEP_ROWS +
+                           readings * GAUGE_VALUE * (1 + hc_gauges_columns(scene)) + OTHER_FILES;
   return HC_OK;
 }
 

@@ -3,14 +3,14 @@
  *
  * Particles: all of them are made, a few at a time, and counted; nothing is derived from volumes.
  *
- * Memory, of the rank that needs most, at its highest, bytes: PROGRAM + FLUID f + WALL b + GHOST g +
- * WRITING min(f + b, one slice of a snapshot). f and b are the fluid and boundary particles of a rank that
- * has its share of the load (as the balance weighs it) times the imbalance that starts a rebalance, and as
- * much of it in walls as there are: a slab with little fluid in it holds the more wall. g are the particles
- * within a support radius of the faces of a slab and of periodic borders, from the extents at the start. The
- * constants stand in estimate.c. Measured on the scenes at hand, from 1,000 to 240,000 particles on 1 and 3
- * ranks, with the libraries of Debian 12: within 13 %. Known weakness: PROGRAM is mostly the MPI library's,
- * which may take more elsewhere; spray costs more than a body of water.
+ * Memory, of the rank that needs most, at its highest, bytes: PROGRAM + (FLUID + NEIGHBORS (h/spacing)^3) f +
+ * WALL b + GHOST g + WRITING min(f + b, one slice of a snapshot). f and b are the fluid and boundary
+ * particles of a rank that has its share of the load (as the balance weighs it) times the imbalance that
+ * starts a rebalance, and as much of it in walls as there are: a slab with little fluid in it holds the more
+ * wall. g are the particles within a support radius of the faces of a slab and of periodic borders, from the
+ * extents at the start. The constants stand in estimate.c. Measured on the scenes at hand, from 1,000 to
+ * 240,000 particles on 1 and 3 ranks, with the libraries of Debian 12: within 13 %. Known weakness: PROGRAM
+ * is mostly the MPI library's, which may take more elsewhere; spray costs more than a body of water.
  *
  * Files: snapshots are as many as asked for, or fewer where steps are longer than their interval; a
  * snapshot's size is right to a few per cent, its packed columns take next to nothing. The tables are counted
@@ -20,6 +20,7 @@
 
 #include "halocline/error.h"
 #include "scene/scene.h"
+#include "setup/populate.h"
 #include "stepping/time_step.h"
 
 /* Some particles and the smallest box around their centres. */
@@ -39,6 +40,9 @@ typedef struct hc_estimate {
   int64_t snapshots;                                                                           /* at most */
   double snapshot_bytes, output_bytes;
 } hc_estimate;
+
+/* Bytes that a rank needs at least: the program, and its share of the particles of a plan. Local. */
+double hc_estimate_least_memory(const hc_scene *scene, const hc_setup_plan *plan, int64_t ranks);
 
 /* Estimates a run on so many ranks; freed with hc_estimate_free. HC_BAD_INPUT: the scene's particles cannot
  * be made, or not on so few ranks; then nothing needs freeing. Local; time grows with the particles, memory

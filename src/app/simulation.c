@@ -1,6 +1,7 @@
 #include "simulation.h"
 
 #include "base/memory.h"
+#include "estimate.h"
 #include "setup/rest_lattice.h"
 #include "setup/world_frame.h"
 
@@ -106,18 +107,10 @@ static void choose_settings(hc_simulation *simulation) {
   simulation->step_settings = hc_step_settings_of(scene);
 }
 
-/* Bytes a particle costs while the program runs, measured on developed flows (README, "Memory"). */
-enum { FLUID_BYTES = 330, BOUNDARY_BYTES = 70, PROGRAM_BYTES = 40 << 20 };
-
-double hc_simulation_memory(const hc_setup_plan *plan, int64_t ranks) {
-  const double share = 1.0 / (double)ranks;
-  return PROGRAM_BYTES +
-         share * (FLUID_BYTES * (double)plan->fluid_count + BOUNDARY_BYTES * (double)plan->boundary_count);
-}
-
 /* Where memory is promised before it is there, running out of it kills: so what cannot fit is refused. */
-static hc_status check_memory(hc_comm *comm, const hc_setup_plan *plan, hc_error *error) {
-  const double needed = hc_simulation_memory(plan, comm->size), gibibyte = 1 << 30;
+static hc_status check_memory(hc_comm *comm, const hc_scene *scene, const hc_setup_plan *plan,
+                              hc_error *error) {
+  const double needed = hc_estimate_least_memory(scene, plan, comm->size), gibibyte = 1 << 30;
   const int sharing = hc_comm_machine_ranks(comm);
   const double share = (double)hc_memory_machine() / sharing, allowed = (double)hc_memory_allowed();
   const double most = share < allowed ? share : allowed;
@@ -132,6 +125,11 @@ static hc_status check_memory(hc_comm *comm, const hc_setup_plan *plan, hc_error
   return hc_comm_agree(comm, error);
 }
 
+double hc_simulation_settle_step(const hc_scene *scene) {
+  if (scene->fluid.settle_steps == 0) return 0.0;
+  return scene->time_step.control == HC_TIME_CONSTANT ? scene->time_step.size : scene->time_step.max;
+}
+
 /* Lets the start come to rest: steps of gravity and pressure that forget all momentum; then every particle
  * gets the velocity of the place it has come to. The pressure stays. */
 static hc_status settle(hc_simulation *simulation, const hc_setup_plan *plan, hc_error *error) {
@@ -139,8 +137,7 @@ static hc_status settle(hc_simulation *simulation, const hc_setup_plan *plan, hc
   hc_particles *fluid = &world->fluid;
   hc_solver_settings settings = simulation->solver_settings;
   settings.viscosity = HC_VISCOUS_NONE;
-  const double dt = simulation->step_settings.control == HC_STEP_CONSTANT ? simulation->step_settings.size
-                                                                          : simulation->step_settings.max;
+  const double dt = hc_simulation_settle_step(simulation->scene);
   for (int step = 0; step < simulation->scene->fluid.settle_steps; step++) {
     memset(fluid->velocity, 0, 3 * (size_t)fluid->own * sizeof *fluid->velocity);
     hc_world_update(world);
@@ -159,7 +156,7 @@ static hc_status fill_world(hc_simulation *simulation, const hc_frame *frame, hc
   hc_world *world = &simulation->world;
   hc_setup_plan plan = {0};
   if (hc_setup_plan_make(simulation->scene, frame, &plan, error) == HC_OK &&
-      check_memory(comm, &plan, error) == HC_OK)
+      check_memory(comm, simulation->scene, &plan, error) == HC_OK)
     hc_setup_generate(&plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
   if (hc_comm_agree(comm, error) == HC_OK) {
     hc_world_distribute(world);

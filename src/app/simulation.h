@@ -39,8 +39,8 @@ bool hc_simulation_done(const hc_simulation *simulation);
 /* One step. Collective. HC_FAILED (agreed) if the simulation diverged. */
 hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error);
 
-/* Bytes that one of `ranks` ranks needs for a plan's particles and all that goes with them, about. Local. */
-double hc_simulation_memory(const hc_setup_plan *plan, int64_t ranks);
+/* The time step with which the start of a scene settles, s; 0 if it does not. Local. */
+double hc_simulation_settle_step(const hc_scene *scene);
 
 /* The moment to be written; borrows from the simulation. Local. */
 hc_snapshot hc_simulation_snapshot(const hc_simulation *simulation);

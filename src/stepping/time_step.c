@@ -27,8 +27,8 @@ double hc_time_step_next(const hc_step_settings *settings, double time, double d
      */
     shrink(&dt, dt_before > 0.0 ? 1.1 * dt_before : FIRST_STEP * settings->max, HC_BOUND_GROWTH, bound);
   }
-  /* The last step ends the run on time; a sliver that rounding would leave behind is taken along. A much shorter
-   * last step would turn what density error is left into velocity, so the last two share the time. */
+  /* The last step ends the run on time; a sliver that rounding would leave behind is taken along. A much
+   * shorter last step would turn what density error is left into velocity, so the last two share the time. */
   const double left = settings->end_time - time;
   if (dt * (1.0 + 1e-9) >= left) {
     *bound = HC_BOUND_END;

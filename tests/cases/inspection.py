@@ -37,7 +37,8 @@ def foretell(case, scene, ranks, steps, settings=()):
     start = look(case, ["info", files[0]])
     for kind in ("fluid", "boundary"):
         c.expect(said[kind] == start[kind], f"{name}: {said[kind]} {kind} particles foretold, {start[kind]} found")
-        c.expect(said["extents"][kind] == start["extents"][kind],
+        settles = kind == "fluid" and scene == "taylor_green"  # particles have moved before the first snapshot
+        c.expect(settles or said["extents"][kind] == start["extents"][kind],
                  f"{name}: {kind} foretold in {said['extents'][kind]}, found in {start['extents'][kind]}")
     for kind, sources in (("fluid", "blocks"), ("boundary", "walls")):
         total = sum(source["particles"] for source in said[sources])

@@ -117,7 +117,7 @@ START_TEST(the_end_is_not_overstepped) {
          0.5 - (0.496 - 1e-13)); /* takes a sliver along */
   expect(&settings, 0.496 - 1e-10, 1, moving(1, 1), HC_BOUND_SIZE, 0.5 * (0.5 - (0.496 - 1e-10)));
   expect(&settings, 0.493, 1, moving(1, 1), HC_BOUND_SIZE, 0.5 * (0.5 - 0.493)); /* the last two share */
-  expect(&settings, 0.4999, 1e-5, moving(1, 1), HC_BOUND_GROWTH, 1.1e-5); /* the others still bind */
+  expect(&settings, 0.4999, 1e-5, moving(1, 1), HC_BOUND_GROWTH, 1.1e-5);        /* the others still bind */
 }
 END_TEST
 
