@@ -103,7 +103,10 @@ static void add_step(hc_gauges *gauges, int g, const hc_sum *sums, double dt) {
     break;
   case HC_GAUGE_PRESSURE:
     if (pushes_wall(gauges, g)) {
-      const double push = sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
+      int sign;
+      const int axis = hc_measure_axis(&gauges->scene->output.gauges[g], &sign);
+      const double push = axis >= 0 ? sign * value[axis]
+                                    : sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
       if (state->area > 0.0) state->integral[0] += dt * (push / state->area);
     } else if (value[1] > 0.0) {
       state->integral[0] += dt * (value[0] / value[1]);
@@ -176,9 +179,8 @@ static double read_height(const hc_gauges *gauges, const hc_scene_gauge *gauge, 
 }
 
 static double read_front(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid) {
-  int axis = 0;
-  while (!(gauge->axis & (HC_FACE_MINUS_X | HC_FACE_PLUS_X) << (2 * axis))) axis++;
-  const int sign = gauge->axis & HC_FACE_PLUS_X << (2 * axis) ? 1 : -1;
+  int sign;
+  const int axis = hc_measure_axis(gauge, &sign);
   int64_t farthest = INT64_MIN;
   for (int32_t i = 0; i < fluid->own; i++) {
     const int64_t *position = &fluid->position[3 * (size_t)i];

@@ -2,9 +2,10 @@
  *
  * height    depth of water along a vertical line: the length that is wet, gaps of up to 1.5 spacings closed
  * front     farthest water along an axis, half a spacing beyond the last particle; nan where there is none
- * pressure  at a point in the fluid: the kernel's weighted mean of the particles around. With a wall: the
+ *  * pressure  at a point in the fluid: the kernel's weighted mean of the particles around. With a wall: the
  * push on the wall's samples around the point over their area, which is exact in the mean where the pressures
- * of the layer next to a wall are not flow      volume per time through a rectangle, counted particle by
+ * of the layer next to a wall are not. With an axis too: only the samples of the face through the point
+ * count, and only the push along the axis flow      volume per time through a rectangle, counted particle by
  * particle force     pressure force and its moment on a wall; viscous drag is not included energy    kinetic
  * and potential volume    sum of m/max(rho, rho0): what compression takes away
  *

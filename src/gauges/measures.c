@@ -60,23 +60,40 @@ void hc_measure_point_pressure(const hc_gauges *gauges, const hc_scene_gauge *ga
   }
 }
 
+int hc_measure_axis(const hc_scene_gauge *gauge, int *sign) {
+  for (int axis = 0; axis < 3; axis++) {
+    *sign = gauge->axis & (unsigned)HC_FACE_PLUS_X << (2 * axis) ? 1 : -1;
+    if (gauge->axis & (unsigned)(HC_FACE_MINUS_X | HC_FACE_PLUS_X) << (2 * axis)) return axis;
+  }
+  return -1;
+}
+
+/* The weight of a wall's sample, `offset` from the gauge's point: those of a face lie half a spacing behind
+ * it. */
+static double patch_weight(const hc_gauges *gauges, const hc_scene_gauge *gauge, const double offset[3]) {
+  int sign;
+  const int axis = hc_measure_axis(gauge, &sign);
+  if (axis >= 0 && fabs(offset[axis]) > 0.75 * gauges->scene->particle_spacing) return 0.0;
+  return shape(length(offset) / gauges->frame->support_radius);
+}
+
 void hc_measure_patch_area(const hc_gauges *gauges, int number, const hc_particles *boundary, hc_sum *sum) {
   const double spacing = gauges->scene->particle_spacing;
-  const hc_point at = hc_measure_point(gauges->frame, gauges->scene->output.gauges[number].at);
+  const hc_scene_gauge *gauge = &gauges->scene->output.gauges[number];
+  const hc_point at = hc_measure_point(gauges->frame, gauge->at);
   for (int32_t k = 0; k < boundary->own; k++) {
     if ((int)boundary->wall[k] != gauges->state[number].wall) continue;
     double offset[3];
     hc_measure_offset(gauges->frame, &boundary->position[3 * (size_t)k], &at, offset);
-    hc_sum_add(sum, spacing * spacing * shape(length(offset) / gauges->frame->support_radius));
+    hc_sum_add(sum, spacing * spacing * patch_weight(gauges, gauge, offset));
   }
 }
 
 int64_t hc_measure_crossings(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid,
                              double dt) {
   const hc_frame *frame = gauges->frame;
-  int normal = 0;
-  while (!(gauge->axis & (HC_FACE_MINUS_X | HC_FACE_PLUS_X) << (2 * normal))) normal++;
-  const int sign = gauge->axis & HC_FACE_PLUS_X << (2 * normal) ? 1 : -1;
+  int sign;
+  const int normal = hc_measure_axis(gauge, &sign);
   const hc_point corner = hc_measure_point(frame, gauge->box.min);
   int64_t crossings = 0;
   for (int32_t i = 0; i < fluid->own; i++) {
@@ -114,7 +131,7 @@ static void add_push(const hc_gauges *gauges, const push *push, hc_sum *sums) {
     for (int axis = 0; axis < 3; axis++) arm[axis] = push->at[axis] - gauge->at[axis];
     const double *f = push->force;
     const bool force = gauge->type == HC_GAUGE_FORCE;
-    const double weight = force ? 1.0 : shape(length(arm) / gauges->frame->support_radius);
+    const double weight = force ? 1.0 : patch_weight(gauges, gauge, arm);
     if (weight == 0.0) continue;
     for (int axis = 0; axis < 3; axis++) {
       hc_sum_add(&to[axis], weight * f[axis]);

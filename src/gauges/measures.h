@@ -22,6 +22,9 @@ bool hc_measure_in_box(const hc_scene_gauge *gauge, const hc_frame *frame, const
 void hc_measure_point_pressure(const hc_gauges *gauges, const hc_scene_gauge *gauge,
                                const hc_particles *fluid, hc_sum sums[2]);
 
+/* The axis of a gauge, 0 to 2, and which way along it, 1 or -1; the axis is -1 without one. */
+int hc_measure_axis(const hc_scene_gauge *gauge, int *sign);
+
 /* Weighted area of the wall's samples around the gauge's point, m2. */
 void hc_measure_patch_area(const hc_gauges *gauges, int number, const hc_particles *boundary, hc_sum *sum);
 

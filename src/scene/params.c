@@ -22,6 +22,14 @@ static const hc_choice insides[] = {{"fluid", HC_INSIDE_FLUID}, {"solid", HC_INS
 static const hc_choice faces[] = {{"-x", HC_FACE_MINUS_X}, {"+x", HC_FACE_PLUS_X},  {"-y", HC_FACE_MINUS_Y},
                                   {"+y", HC_FACE_PLUS_Y},  {"-z", HC_FACE_MINUS_Z}, {"+z", HC_FACE_PLUS_Z},
                                   {"base", HC_FACE_BASE},  {"top", HC_FACE_TOP},    {NULL, 0}};
+static const hc_choice directions[] = {{"none", 0},
+                                       {"-x", HC_FACE_MINUS_X},
+                                       {"+x", HC_FACE_PLUS_X},
+                                       {"-y", HC_FACE_MINUS_Y},
+                                       {"+y", HC_FACE_PLUS_Y},
+                                       {"-z", HC_FACE_MINUS_Z},
+                                       {"+z", HC_FACE_PLUS_Z},
+                                       {NULL, 0}};
 static const hc_choice solver_methods[] = {{"dfsph", HC_SOLVER_DFSPH}, {NULL, 0}};
 static const hc_choice time_controls[] = {{"constant", HC_TIME_CONSTANT}, {"cfl", HC_TIME_CFL}, {NULL, 0}};
 static const hc_choice decompositions[] = {{"slabs", HC_DECOMPOSITION_SLABS}, {NULL, 0}};

@@ -242,6 +242,10 @@ static void check_gauge(const hc_scene *scene, int index, const hc_given *given,
                         "%swall must be the name of a wall of the scene, not '%s'", given->prefix,
                         gauge->wall);
   }
+  if ((gauge->type == HC_GAUGE_FRONT || gauge->type == HC_GAUGE_FLOW) && gauge->axis == 0 &&
+      !is_bad(given, "axis"))
+    hc_complaints_add(complaints, hc_given_place_of(given, "axis"), "%saxis must be a direction, not none",
+                      given->prefix);
   if (is_bad(given, "name")) return;
   if (strpbrk(gauge->name, ",\""))
     hc_complaints_add(complaints, hc_given_place_of(given, "name"),

@@ -103,7 +103,7 @@ typedef enum hc_gauge_type {
 typedef struct hc_scene_gauge {
   char name[HC_NAME_LENGTH];
   hc_gauge_type type;
-  unsigned axis;             /* front, flow: one HC_FACE_* bit */
+  unsigned axis;             /* front, flow: one HC_FACE_* bit; pressure on a wall: 0 or that of the face */
   double at[3];              /* height: x and y; pressure: the point; force: the moment's point */
   hc_box box;                /* front, energy, volume: only what is within; flow: the rectangle */
   char wall[HC_NAME_LENGTH]; /* pressure, force: the wall's name; pressure: may be empty */

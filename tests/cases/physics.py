@@ -145,7 +145,10 @@ def gauges(case, _steps):
     off = np.abs((weight - walls) * duration - change).max() / np.abs(weight * duration).max()
     c.expect(off <= 1e-4, f"forces on walls and weight change the momentum by {(weight - walls) * duration} N s, "
                           f"it changes by {change}")
-    c.expect(end["sill_fx"] > 0 and end["face"] > 0, f"the sill is pushed with {end['sill_fx']} N, {end['face']} Pa")
+    # Hydrostatics of what stands there, and some impact: no more than the order is known.
+    pressure = end["sill_fx"] / (0.2 * 0.06)
+    c.expect(0.3 * pressure < end["front_face"] < 3 * pressure and end["face"] > 0,
+             f"the sill is pushed with {pressure} Pa on average, its middle with {end['front_face']} Pa")
     return f"momentum agrees within {off:.1e} of the weight's, {beyond:.6f} m3 went through the rectangle"
 
 

@@ -224,7 +224,7 @@ START_TEST(test_gauges) {
                "force, energy, volume, not 'level'");
   refuse_gauge("name: a, type: front", "5: missing key 'output.gauges[0].axis', required for front");
   refuse_gauge("name: a, type: height, at: [1, 2], axis: +x",
-               "47: output.gauges[0].axis is a key of front, flow, not of height");
+               "47: output.gauges[0].axis is a key of front, pressure, flow, not of height");
   refuse_gauge("name: a, type: pressure, at: [1]",
                "35: output.gauges[0].at must be a list of 2 or 3 numbers, not a list of 1");
   refuse_gauge("name: a, type: force, wall: tank",
