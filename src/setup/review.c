@@ -249,6 +249,56 @@ static void make_sources(review *r) {
   }
 }
 
+/* --- Gauges --- */
+
+typedef struct extent {
+  double low[3], high[3]; /* m */
+} extent;
+
+static void widen(const review *r, const hc_setup_source *source, extent *to) {
+  if (hc_sampling_count(&source->sampling) == 0) return;
+  int64_t low[3], high[3];
+  hc_sampling_bounds(&source->sampling, low, high);
+  for (int a = 0; a < 3; a++) {
+    to->low[a] = fmin(to->low[a], hc_frame_to_metres(&r->frame, a, low[a]) - r->spacing);
+    to->high[a] = fmax(to->high[a], hc_frame_to_metres(&r->frame, a, high[a]) + r->spacing);
+  }
+}
+
+static const extent nothing = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+
+/* A gauge that never measures anything: a point, or a box, away from its wall or, where there are walls to
+ * keep the fluid, from all that there is. */
+static void review_gauge(const review *r, int index, const extent *all) {
+  const hc_scene_gauge *gauge = &r->scene->output.gauges[index];
+  const bool at_point = gauge->type == HC_GAUGE_HEIGHT || gauge->type == HC_GAUGE_PRESSURE;
+  if (gauge->type == HC_GAUGE_FORCE || r->wall_count == 0) return;
+  extent within = *all;
+  for (int w = 0; at_point && w < r->wall_count; w++) {
+    const int64_t number = r->walls[w].number;
+    if (strcmp(r->scene->boundary.walls[number].name, gauge->wall) != 0) continue;
+    within = nothing;
+    widen(r, &r->walls[w], &within);
+  }
+  const double *low = at_point ? gauge->at : gauge->box.min, *high = at_point ? gauge->at : gauge->box.max;
+  for (int a = 0; a < (gauge->type == HC_GAUGE_HEIGHT ? 2 : 3); a++) {
+    if (low[a] <= within.high[a] && high[a] >= within.low[a]) continue;
+    hc_findings_error(r->findings, path_of("output.gauges", index, at_point ? ".at" : ".box.min").text,
+                      "gauge %s measures nothing: along %c it is at %.6g%s, and %s only from %.6g to %.6g m",
+                      gauge->name, "xyz"[a], low[a], at_point ? "" : " and beyond",
+                      gauge->wall[0] && at_point ? "its wall reaches" : "fluid and walls reach",
+                      within.low[a], within.high[a]);
+    return;
+  }
+}
+
+static void review_gauges(const review *r) {
+  extent all = nothing;
+  for (int b = 0; b < r->block_count; b++) widen(r, &r->blocks[b], &all);
+  for (int w = 0; w < r->wall_count; w++) widen(r, &r->walls[w], &all);
+  for (int k = 0; k < r->scene->output.gauge_count; k++) review_gauge(r, k, &all);
+}
+
 void hc_setup_review(const hc_scene *scene, hc_findings *findings) {
   if (scene->fluid.block_count == 0)
     hc_findings_error(findings, "fluid.blocks",
@@ -266,6 +316,7 @@ void hc_setup_review(const hc_scene *scene, hc_findings *findings) {
     for (int earlier = 0; earlier < b; earlier++) review_overlap(&r, &r.blocks[earlier], &r.blocks[b]);
     for (int w = 0; w < r.wall_count; w++) review_spills(&r, &r.blocks[b], &r.walls[w]);
   }
+  if (all_walls && r.block_count == scene->fluid.block_count) review_gauges(&r);
   for (int b = 0; b < r.block_count; b++) hc_source_free(&r.blocks[b]);
   for (int w = 0; w < r.wall_count; w++) hc_source_free(&r.walls[w]);
   hc_free(r.blocks);
