@@ -1,7 +1,9 @@
 /* A dam break inside another program: where its front is, step by step.
  *
  *   mpicc embed.c -o embed $(pkg-config --cflags --libs halocline)
- *   mpirun -n 2 ./embed SCENE.yaml STEPS [KEY=VALUE...] */
+ *   mpirun -n 2 ./embed SCENE.yaml STEPS [KEY=VALUE...]
+ *
+ * The README says what to add where the library is not in the system's folders. */
 #include <halocline/halocline.h>
 
 #include <mpi.h>

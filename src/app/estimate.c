@@ -128,7 +128,9 @@ static void estimate_steps(const hc_scene *scene, double v2_max, hc_estimate *es
   const hc_step_report start = hc_simulation_start_report(scene, v2_max);
   estimate->first_step =
       hc_time_step_next(&step, 0.0, hc_simulation_settle_step(scene), &start, &estimate->bound);
-  const double longest = step.control == HC_STEP_CONSTANT ? step.size : step.max;
+  hc_step_bound unused;
+  const hc_step_report still = {.v_max = 0.0};
+  const double longest = hc_time_step_next(&step, 0.0, INFINITY, &still, &unused);
   estimate->steps = (int64_t)ceil(scene->end_time / longest * (1.0 - 1e-12));
 }
 

@@ -111,9 +111,12 @@ static void log_start(run *run) {
   hc_log_info(&run->log, "instruction set of the pair loops: %s%s", hc_isa_name(simulation->isa),
               simulation->isa == HC_ISA_PORTABLE ? " (no fused multiply-add: other bits than avx2 and avx512)"
                                                  : "");
-  hc_log_info(&run->log, "solver %s, boundary %s with volume factor %.6g, viscosity sound speed %g m/s",
+  for (int k = 0; k < run->options->override_count; k++)
+    hc_log_info(&run->log, "--set %s", run->options->overrides[k]);
+  static const char *const viscosities[] = {"none", "xsph", "artificial", "laminar"};
+  hc_log_info(&run->log, "solver %s, boundary %s with volume factor %.6g, viscosity %s %g",
               simulation->solver->name, world->boundary_ops->name, world->volume_factor,
-              simulation->solver_settings.sound_speed);
+              viscosities[run->scene->fluid.viscosity.model], run->scene->fluid.viscosity.coefficient);
   hc_log_info(&run->log, "particles: %lld fluid of %.9g kg each (mass factor %g), %lld boundary",
               (long long)world->fluid_total, world->mass, run->scene->fluid.mass_factor,
               (long long)world->boundary_total);
@@ -247,6 +250,10 @@ static hc_status run_steps(run *run, hc_error *error) {
   }
   const hc_progress_sample sample = progress_sample(run, &load);
   hc_progress_finish(&run->progress, &sample);
+  if (run->comm->rank == 0 && !run->options->quiet)
+    printf("%s after %lld steps at %g s; files in %s\n",
+           hc_simulation_done(simulation) ? "done" : "stopped by --steps", (long long)simulation->step,
+           simulation->time, run->directory);
   return HC_OK;
 }
 

@@ -224,6 +224,20 @@ static void check_rectangle(const hc_scene_gauge *gauge, const hc_given *given, 
       given->prefix, axes[normal]);
 }
 
+/* Would a column of the gauge `name` with several columns be called `other`? */
+static bool makes_column(const hc_scene_gauge *gauge, const char *other) {
+  static const char *const force[] = {"fx", "fy", "fz", "mx", "my", "mz", NULL},
+                           *const energy[] = {"kinetic", "potential", NULL}, *const none[] = {NULL};
+  const char *const *part = gauge->type == HC_GAUGE_FORCE    ? force
+                            : gauge->type == HC_GAUGE_ENERGY ? energy
+                                                             : none;
+  const size_t length = strlen(gauge->name);
+  if (strncmp(gauge->name, other, length) != 0 || other[length] != '_') return false;
+  for (; *part; part++)
+    if (strcmp(other + length + 1, *part) == 0) return true;
+  return false;
+}
+
 static void check_gauge(const hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
   const hc_scene_gauge *gauge = &scene->output.gauges[index];
   for (int k = 0; k < 3 && !is_bad(given, "box.min") && !is_bad(given, "box.max"); k++)
@@ -250,11 +264,17 @@ static void check_gauge(const hc_scene *scene, int index, const hc_given *given,
   if (strpbrk(gauge->name, ",\""))
     hc_complaints_add(complaints, hc_given_place_of(given, "name"),
                       "%sname must do without commas and quotes, not %s", given->prefix, gauge->name);
-  for (int k = 0; k < index; k++)
-    if (strcmp(scene->output.gauges[k].name, gauge->name) == 0)
+  if (strcmp(gauge->name, "time") == 0)
+    hc_complaints_add(complaints, hc_given_place_of(given, "name"),
+                      "%sname must not be time, the first column", given->prefix);
+  for (int k = 0; k < index; k++) {
+    const hc_scene_gauge *earlier = &scene->output.gauges[k];
+    if (strcmp(earlier->name, gauge->name) == 0 || makes_column(earlier, gauge->name) ||
+        makes_column(gauge, earlier->name))
       hc_complaints_add(complaints, hc_given_place_of(given, "name"),
-                        "%sname must be the gauge's own, not '%s' like gauge %d", given->prefix, gauge->name,
-                        k);
+                        "%sname must give columns of its own, '%s' has one in common with gauge %d, '%s'",
+                        given->prefix, gauge->name, k, earlier->name);
+  }
 }
 
 void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_name,

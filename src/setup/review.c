@@ -91,8 +91,26 @@ static bool far_apart(const review *r, const hc_shape *shape, const hc_setup_sou
 
 /* --- Errors --- */
 
+/* A box is filled with whole spacings; what is left over stays empty. */
+static void review_rest(const review *r, const hc_setup_source *block) {
+  const hc_shape *const shape = &block->shape;
+  if (shape->round > 1) return;
+  for (int c = 0; c < hc_shape_components(shape); c++) {
+    const double extent = shape->high[c] - shape->low[c], count = extent / r->spacing,
+                 filled = floor(count + 0.05);
+    if (count - filled <= 0.1) continue;
+    hc_findings_warning(r->findings, path_of("fluid.blocks", block->number, "").text,
+                        "%s is %.6g m along %c, %.2f spacings: %.0f are filled, %.3g m stay empty",
+                        hc_source_block_name((int)block->number).text, extent, "xyz"[c], count, filled,
+                        extent - filled * r->spacing);
+  }
+}
+
 static void review_size(const review *r, const hc_setup_source *block) {
-  if (hc_source_count(block) > 0) return;
+  if (hc_source_count(block) > 0) {
+    review_rest(r, block);
+    return;
+  }
   const hc_shape *const shape = &block->shape;
   double thinnest = INFINITY;
   for (int c = 0; c < hc_shape_components(shape); c++)

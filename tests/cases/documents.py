@@ -92,7 +92,7 @@ def examples(case, _):
             paths[-1].write_text(text, encoding="utf-8")
         for path in paths:
             text = case.call(["check", path])
-            c.expect("warning" not in text, f"{path}:\n{text}")
+            c.expect("is not used" not in text, f"{path}:\n{text}")
     c.expect(shown, "README.md shows no scene")
     return f"{len(paths)} scenes are valid, {len(shown)} of them shown by README.md"
 

@@ -476,8 +476,8 @@ static void warn_line(const char *line, const char *override, const char *messag
 START_TEST(test_unused_keys) {
   static const pair cases[] = {
       {"time_step: {size: 0.1}", "19: time_step.size is not used: time_step.control is cfl"},
-      {"time_step: {control: constant, size: 0.001, max: 0.004}",
-       "50: time_step.max is not used: time_step.control is constant"},
+      {"time_step: {control: constant, size: 0.001, factor: 0.4}",
+       "53: time_step.factor is not used: time_step.control is constant"},
       {"fluid: {viscosity: {model: none, coefficient: 1}}",
        "47: fluid.viscosity.coefficient is not used: fluid.viscosity.model is none"},
       {"fluid: {viscosity: {model: laminar, sound_speed: 1}}",
