@@ -369,10 +369,12 @@ static void simulate(hc_comm *comm, const hc_options *options, hc_error *error) 
                  HC_TEXT_PATH);
   } else if (hc_simulation_init(&run->simulation, comm, &scene, error) == HC_OK) {
     const hc_world *world = &run->simulation.world;
-    hc_gauges_init(&run->gauges, comm, &scene, &world->frame, world->mass, &world->boundary);
-    run->gauge_values = hc_alloc((size_t)hc_gauges_columns(&scene), sizeof *run->gauge_values);
-    run_with_files(run, error);
-    close_files(run, error);
+    if (hc_gauges_init(&run->gauges, comm, &scene, &world->frame, world->mass, &world->boundary, error) ==
+        HC_OK) {
+      run->gauge_values = hc_alloc((size_t)hc_gauges_columns(&scene), sizeof *run->gauge_values);
+      run_with_files(run, error);
+      close_files(run, error);
+    }
     hc_free(run->gauge_values);
     hc_gauges_free(&run->gauges);
     hc_simulation_free(&run->simulation);

@@ -66,8 +66,8 @@ static int sums_of(const hc_gauges *gauges, int g) {
   }
 }
 
-void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
-                    double mass, const hc_particles *boundary) {
+hc_status hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
+                         double mass, const hc_particles *boundary, hc_error *error) {
   const int count = scene->output.gauge_count;
   *gauges = (hc_gauges){.scene = scene,
                         .frame = frame,
@@ -84,7 +84,13 @@ void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, con
     memset(&area, 0, sizeof area);
     hc_measure_patch_area(gauges, g, boundary, &area);
     gauges->state[g].area = sum_over_ranks(comm, &area);
+    if (gauges->state[g].area == 0.0)
+      return hc_error_set(
+          error, HC_BAD_INPUT,
+          "output.gauges[%d] %s: wall '%s' has no sample within a support radius (%g m) of (%g, %g, %g) m", g,
+          gauge->name, gauge->wall, frame->support_radius, gauge->at[0], gauge->at[1], gauge->at[2]);
   }
+  return HC_OK;
 }
 
 void hc_gauges_free(hc_gauges *gauges) {

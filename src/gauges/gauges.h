@@ -1,13 +1,15 @@
 /* Gauges: what a run measures on its particles, exact across ranks.
  *
- * height    depth of water along a vertical line: the length that is wet, gaps of up to 1.5 spacings closed
- * front     farthest water along an axis, half a spacing beyond the last particle; nan where there is none
- *  * pressure  at a point in the fluid: the kernel's weighted mean of the particles around. With a wall: the
- * push on the wall's samples around the point over their area, which is exact in the mean where the pressures
- * of the layer next to a wall are not. With an axis too: only the samples of the face through the point
- * count, and only the push along the axis flow      volume per time through a rectangle, counted particle by
- * particle force     pressure force and its moment on a wall; viscous drag is not included energy    kinetic
- * and potential volume    sum of m/max(rho, rho0): what compression takes away
+ * - height: depth of water along a vertical line, the length that is wet; gaps of up to 1.5 spacings closed.
+ * - front: farthest water along an axis, half a spacing beyond the last particle; nan where there is none.
+ * - pressure: at a point in the fluid, the kernel's weighted mean of the particles around. With a wall: the
+ *   push on the wall's samples around the point over their area, which is exact in the mean where the
+ *   pressures of the layer next to a wall are not. With an axis too: only the samples of the face through the
+ *   point count, and only the push along the axis.
+ * - flow: volume per time through a rectangle, counted particle by particle.
+ * - force: pressure force and its moment on a wall; viscous drag is not included.
+ * - energy: kinetic and potential.
+ * - volume: sum of m/max(rho, rho0), what compression takes away.
  *
  * Pressure, flow and force are means over the time since the last reading, step by step, so that no impulse
  * falls between two readings; the others are of the moment. All sums are exact, extremes need no order: the
@@ -41,9 +43,10 @@ typedef struct hc_gauges {
 } hc_gauges;
 
 /* Sets up the scene's gauges; scene and frame stay in use. Boundary particles must be with their owners.
- * Collective. */
-void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
-                    double mass, const hc_particles *boundary);
+ * HC_BAD_INPUT, agreed, for a pressure on a wall that has no sample within a support radius of the point; the
+ * gauges are to be freed all the same. Collective. */
+hc_status hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
+                         double mass, const hc_particles *boundary, hc_error *error);
 void hc_gauges_free(hc_gauges *gauges);
 
 /* Columns of all gauges together, and the name of one of them (such as "box_fx"). Local. */

@@ -9,11 +9,11 @@ SMALL = ("particle_spacing=0.05", "support_radius=0.1", "output.snapshots.every=
 
 
 def look(case, arguments, expected=0):
-    """A command's JSON object, in its first line: the launcher may add words of its own to a failure."""
+    """A command's JSON object, one line: warnings may come before it, words of the launcher behind."""
     text = case.call([*arguments, "--json"], expected=expected)
     try:
-        return json.loads(text.split("\n")[0])
-    except ValueError as error:
+        return json.loads(next(line for line in text.split("\n") if line.startswith("{")))
+    except (StopIteration, ValueError) as error:
         raise c.CaseFailed(f"{arguments} --json printed no JSON: {error}\n{text}") from error
 
 

@@ -149,6 +149,10 @@ def gauges(case, _steps):
     pressure = end["sill_fx"] / (0.2 * 0.06)
     c.expect(0.3 * pressure < end["front_face"] < 3 * pressure and end["face"] > 0,
              f"the sill is pushed with {pressure} Pa on average, its middle with {end['front_face']} Pa")
+    far = "output.gauges=[{name: far, type: pressure, wall: tank, at: [0.2, 0.1, 0.2]}]"
+    text = case.call(["run", c.SOURCE / "tests/cases/gauges.yaml", "-o", case.folder / "far", "--set", far], 2, expected=2)
+    c.expect("far: wall 'tank' has no sample within" in text, f"a pressure away from its wall: {text}")
+    c.expect(not (case.folder / "far").exists(), "a refused run left a folder")
     return f"momentum agrees within {off:.1e} of the weight's, {beyond:.6f} m3 went through the rectangle"
 
 
