@@ -10,29 +10,12 @@
 #include "estimate.h"
 #include "io/text.h"
 #include "scene_input.h"
+#include "setup/source.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 
 static const double mebibyte = 1048576.0;
-
-typedef struct source_name {
-  char text[HC_NAME_LENGTH + 40];
-} source_name;
-
-static source_name block_name(int number) {
-  source_name name;
-  snprintf(name.text, sizeof name.text, "fluid.blocks[%d]", number);
-  return name;
-}
-
-/* A wall's own name, if it has one, is what a user knows it by. */
-static source_name wall_name(const hc_scene *scene, int number) {
-  source_name name;
-  const char *own = scene->boundary.walls[number].name;
-  snprintf(name.text, sizeof name.text, *own ? "boundary.walls[%d] %s" : "boundary.walls[%d]", number, own);
-  return name;
-}
 
 /* ---- text ---- */
 
@@ -48,12 +31,12 @@ static void put_particles(const hc_scene *scene, const hc_estimate *estimate) {
   put_set("fluid particles", &estimate->fluid);
   for (int k = 0; k < scene->fluid.block_count; k++) {
     printf("  ");
-    put_set(block_name(k).text, &estimate->blocks[k]);
+    put_set(hc_source_block_name(k).text, &estimate->blocks[k]);
   }
   put_set("boundary particles", &estimate->boundary);
   for (int k = 0; k < scene->boundary.wall_count; k++) {
     printf("  ");
-    put_set(wall_name(scene, k).text, &estimate->walls[k]);
+    put_set(hc_source_wall_name(&scene->boundary.walls[k], k).text, &estimate->walls[k]);
   }
   put_set("all particles", &estimate->all);
   for (int axis = 0; axis < 3; axis++)
@@ -122,10 +105,10 @@ static void put_json_particles(const hc_scene *scene, const hc_estimate *estimat
   printf(",\"fluid\":%" PRId64 ",\"boundary\":%" PRId64 ",\"blocks\":[", estimate->fluid.count,
          estimate->boundary.count);
   for (int k = 0; k < scene->fluid.block_count; k++)
-    put_json_source(k, block_name(k).text, &estimate->blocks[k]);
+    put_json_source(k, hc_source_block_name(k).text, &estimate->blocks[k]);
   printf("],\"walls\":[");
   for (int k = 0; k < scene->boundary.wall_count; k++)
-    put_json_source(k, wall_name(scene, k).text, &estimate->walls[k]);
+    put_json_source(k, hc_source_wall_name(&scene->boundary.walls[k], k).text, &estimate->walls[k]);
   printf("],\"extents\":{");
   put_json_extent("", "fluid", &estimate->fluid);
   put_json_extent(",", "boundary", &estimate->boundary);

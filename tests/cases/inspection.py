@@ -128,8 +128,8 @@ output: {snapshots: {every: 0, fields: []}}
 """, encoding="utf-8")
     said = check(case, scene)
     found = [(s["name"], s["particles"]) for s in said["blocks"] + said["walls"]]
-    c.expect(found == [("fluid.blocks[0]", 24), ("fluid.blocks[1]", 8), ("boundary.walls[0] floor", 100),
-                       ("boundary.walls[1] wall_1", 1000 - 512)], f"by block and wall: {found}")
+    c.expect(found == [("fluid.blocks[0]", 24), ("fluid.blocks[1]", 8), ('boundary.walls[0] "floor"', 100),
+                       ('boundary.walls[1] "wall_1"', 1000 - 512)], f"by block and wall: {found}")
     c.expect(all(abs(a - b) < 1e-8 for a, b in zip(said["blocks"][1]["extent"]["low"], (1.05, 0.05, 0.05))),
              f"second block: {said['blocks'][1]}")
     c.expect(abs(said["first_step"]["dt"] - 0.4 * 0.1 / 100) < 1e-15 and said["first_step"]["bound"] == "velocity",
@@ -137,7 +137,7 @@ output: {snapshots: {every: 0, fields: []}}
     c.expect(said["output"]["snapshots"] == 2, f"first and last snapshot only: {said['output']}")
     c.expect(said["steps"] == 100 and not said["steps_exact"] and said["periodic"] == [None] * 3, str(said))
     text = case.call(["check", scene])
-    for line in ("  boundary.walls[0] floor 100, ", ", bounded by: velocity"):
+    for line in ('  boundary.walls[0] "floor" 100, ', ", bounded by: velocity"):
         c.expect(line in text, f'"{line}" is not in\n{text}')
     bare = check(case, scene, 2, ("boundary.walls=[]",))
     c.expect(bare["boundary"] == 0 and bare["extents"]["boundary"] is None, f"a scene without walls: {bare}")
