@@ -1,6 +1,5 @@
 /* Samplings against brute force: nothing missing, nothing double, everything in its place. */
 #include "base/memory.h"
-#include "geometry/box.h"
 #include "geometry/sampling.h"
 
 #include <check.h>
@@ -415,25 +414,6 @@ START_TEST(huge_samplings_are_counted_or_refused) {
 }
 END_TEST
 
-START_TEST(boxes_contain_and_overlap) {
-  const double min[3] = {0, 0, 0}, max[3] = {1, 2, 3};
-  ck_assert(hc_box_contains(min, max, 0, (const double[3]){1, 2, 3}));
-  ck_assert(hc_box_contains(min, max, 0, (const double[3]){0, 1, 0}));
-  ck_assert(!hc_box_contains(min, max, 0, (const double[3]){0.5, 2.01, 1}));
-  ck_assert(hc_box_contains(min, max, 0.1, (const double[3]){0.5, 2.01, 1}));
-  ck_assert(!hc_box_contains(min, max, -0.1, (const double[3]){0.5, 1.95, 1}));
-  ck_assert(!hc_box_contains(min, max, -0.6, (const double[3]){0.5, 1, 1}));
-  ck_assert(!hc_box_contains(min, max, 0, (const double[3]){NAN, 1, 1}));
-  const double small_min[3] = {0.2, 0, 1}, small_max[3] = {0.4, 2, 3.05};
-  ck_assert(!hc_box_inside(small_min, small_max, min, max, 0));
-  ck_assert(hc_box_inside(small_min, small_max, min, max, 0.1));
-  ck_assert(hc_box_overlaps(small_min, small_max, min, max, 0));
-  ck_assert(!hc_box_overlaps(small_min, small_max, min, max, 0.2));
-  ck_assert(!hc_box_overlaps(min, max, (const double[3]){1, 0, 0}, (const double[3]){2, 2, 3}, 0));
-  ck_assert(!hc_box_overlaps(min, max, (const double[3]){0, 0, 3.5}, (const double[3]){1, 2, 4}, 0));
-}
-END_TEST
-
 int main(void) {
   Suite *const suite = suite_create("geometry");
   TCase *const cases = tcase_create("samplings");
@@ -453,7 +433,6 @@ int main(void) {
   tcase_add_test(cases, bounds_are_the_extremes);
   tcase_add_test(cases, a_shifted_origin_shifts_every_point_exactly);
   tcase_add_test(cases, huge_samplings_are_counted_or_refused);
-  tcase_add_test(cases, boxes_contain_and_overlap);
   suite_add_tcase(suite, cases);
   SRunner *const runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);
