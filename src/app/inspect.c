@@ -12,8 +12,9 @@ int hc_command_fail(const hc_error *error) {
   return error->status;
 }
 
-void hc_command_warn(const hc_warnings *warnings) {
-  for (int k = 0; k < warnings->count; k++) fprintf(stderr, "halocline: warning: %s\n", warnings->text[k]);
+void hc_command_warn(const hc_warnings *warnings, int first) {
+  for (int k = first; k < warnings->count; k++)
+    fprintf(stderr, "halocline: warning: %s\n", warnings->text[k]);
 }
 
 int hc_command_finish_output(void) {

@@ -11,12 +11,13 @@
 #include <unistd.h>
 
 static const hc_command commands[] = {
-    {"run", "SCENE.yaml", "Simulates a scene; under mpirun on all ranks together.", "osnfq", 1, true,
+    {"run", "SCENE.yaml", "Simulates a scene; under mpirun on all ranks together.", "osnfqRw", 1, true,
      hc_command_run},
     {"check", "SCENE.yaml", "Reads and validates a scene, counts its particles, runs nothing.", "srj", 1,
      false, hc_command_check},
-    {"info", "FILE", "Tells what a snapshot holds.", "j", 1, false, hc_command_info},
-    {"diff", "A B", "Compares two snapshots particle by particle: 0 same, 1 different, 2 cannot compare.",
+    {"info", "FILE", "Tells what a snapshot or checkpoint holds.", "j", 1, false, hc_command_info},
+    {"diff", "A B",
+     "Compares two snapshots or checkpoints particle by particle: 0 same, 1 different, 2 cannot compare.",
      "tj", 2, false, hc_command_diff},
     {"keys", "", "Lists every scene key: type, unit, default, range, one sentence.", "m", 0, false,
      hc_command_keys},
@@ -27,9 +28,11 @@ static void usage(FILE *out) {
   fprintf(out, "Usage: [mpirun -n N] halocline COMMAND [ARGUMENTS]\n\nCommands:\n");
   for (int k = 0; k < COMMAND_COUNT; k++)
     fprintf(out, "  %-6s %-11s %s\n", commands[k].name, commands[k].usage, commands[k].summary);
-  fprintf(out, "\nhalocline COMMAND --help tells more, halocline --version the version.\n"
-               "Exit codes: 0 done, 1 the simulation failed, 2 bad usage or input, 3 an output could not be "
-               "written.\n");
+  fprintf(
+      out,
+      "\nhalocline COMMAND --help tells more, halocline --version the version.\n"
+      "Exit codes: 0 done, 1 the simulation failed, 2 bad usage or input, 3 an output or checkpoint could "
+      "not be written or read, 75 stopped early: run again with --restart.\n");
 }
 
 /* A standard stream that the caller closed would give its number to the next file opened, and that file what

@@ -14,7 +14,13 @@
 static const struct argp_option all_options[] = {
     {"output", 'o', "DIR", 0, "where the run's files go (default: out/NAME)", 0},
     {"set", 's', "KEY=VALUE", 0, "a scene key's value in place of the file's; may be repeated", 0},
-    {"steps", 'n', "N", 0, "stop after N steps", 0},
+    {"steps", 'n', "N", 0, "stop after step N", 0},
+    {"restart", 'R', "FILE", OPTION_ARG_OPTIONAL,
+     "go on from the newest valid checkpoint of the output directory, or from FILE; without any checkpoint "
+     "start over",
+     0},
+    {"walltime", 'w', "SECONDS", 0,
+     "before that much time has passed, write a checkpoint and stop with exit code 75", 0},
     {"force", 'f', 0, 0, "overwrite the run that the directory holds", 0},
     {"quiet", 'q', 0, 0, "no progress line", 0},
     {"ranks", 'r', "N", 0, "for how many ranks to estimate", 0},
@@ -71,6 +77,14 @@ static error_t take(int key, char *text, struct argp_state *state) {
   case 't':
     options->tolerance = number(state, "tolerance", text);
     break;
+  case 'R':
+    options->restart = true;
+    options->restart_file = text;
+    break;
+  case 'w':
+    options->walltime = number(state, "walltime", text);
+    if (options->walltime == 0.0) argp_error(state, "--walltime must be above 0, got '%s'", text);
+    break;
   case 'm':
     options->solver = text;
     break;
@@ -94,6 +108,8 @@ static error_t take(int key, char *text, struct argp_state *state) {
     options->files[options->file_count++] = text;
     break;
   case ARGP_KEY_END:
+    if (options->restart && options->force)
+      argp_error(state, "--force starts over, --restart goes on: they exclude each other");
     if (options->file_count < parsing->command->files)
       argp_error(state, "%s needs %s", parsing->command->name, parsing->command->usage);
     break;

@@ -12,11 +12,14 @@ typedef struct hc_options {
   int file_count;
   const char *overrides[HC_MAX_OVERRIDES]; /* --set key=value */
   int override_count;
-  const char *output; /* -o; null: out/NAME */
-  int64_t steps;      /* --steps; negative: to the end time */
-  int64_t ranks;      /* --ranks */
-  double tolerance;   /* --tolerance */
-  const char *solver; /* --solver */
+  const char *output;       /* -o; null: out/NAME */
+  int64_t steps;            /* --steps; negative: to the end time */
+  int64_t ranks;            /* --ranks */
+  double tolerance;         /* --tolerance */
+  double walltime;          /* --walltime, s; 0: none */
+  bool restart;             /* --restart */
+  const char *restart_file; /* --restart=FILE; null: the newest */
+  const char *solver;       /* --solver */
   bool force, quiet, json;
 } hc_options;
 

@@ -151,11 +151,11 @@ static hc_status settle(hc_simulation *simulation, const hc_setup_plan *plan, hc
 }
 
 /* The particles of the scene, at their owners. */
-static hc_status fill_world(hc_simulation *simulation, const hc_frame *frame, hc_error *error) {
+static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   hc_comm *comm = simulation->comm;
   hc_world *world = &simulation->world;
   hc_setup_plan plan = {0};
-  if (hc_setup_plan_make(simulation->scene, frame, &plan, error) == HC_OK &&
+  if (hc_setup_plan_make(simulation->scene, &world->frame, &plan, error) == HC_OK &&
       check_memory(comm, simulation->scene, &plan, error) == HC_OK)
     hc_setup_generate(&plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
   if (hc_comm_agree(comm, error) == HC_OK) {
@@ -190,8 +190,18 @@ static void fill_derived(hc_world *world) {
   memset(fluid->acceleration, 0, 3 * (size_t)fluid->own * sizeof *fluid->acceleration);
 }
 
-hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_scene *scene,
-                             hc_error *error) {
+static void register_state(hc_simulation *simulation) {
+  hc_state *state = &simulation->state;
+  hc_state_init(state, &simulation->world.fluid, &simulation->world.boundary);
+  hc_state_add(state, HC_TYPE_i64, 1, &simulation->step, "step");
+  hc_state_add(state, HC_TYPE_f64, 1, &simulation->time, "time");
+  hc_state_add(state, HC_TYPE_f64, 1, &simulation->dt, "dt");
+  hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.v_max, "v_max");
+  hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.force_max, "force_max");
+}
+
+hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const hc_scene *scene,
+                                hc_error *error) {
   memset(simulation, 0, sizeof *simulation);
   simulation->scene = scene;
   simulation->comm = comm;
@@ -214,19 +224,37 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
       .boundary_ops = boundary_of(scene->boundary.method),
       .isa = simulation->isa};
   hc_world_init(&simulation->world, comm, &settings);
-  if (fill_world(simulation, &frame, error) != HC_OK) {
-    hc_world_free(&simulation->world);
-    return error->status;
-  }
-  fill_derived(&simulation->world);
-  simulation->imbalance = hc_domain_imbalance(&simulation->world.domain, &simulation->world.fluid);
-  double v2_max = hc_simulation_fastest(&simulation->world.fluid);
-  hc_comm_max_f64(comm, &v2_max, 1);
-  simulation->report = hc_simulation_start_report(scene, v2_max);
+  register_state(simulation);
   return HC_OK;
 }
 
+hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error) {
+  hc_world *world = &simulation->world;
+  if (fill_world(simulation, error) != HC_OK) return error->status;
+  fill_derived(world);
+  simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
+  double v2_max = hc_simulation_fastest(&world->fluid);
+  hc_comm_max_f64(simulation->comm, &v2_max, 1);
+  simulation->report = hc_simulation_start_report(simulation->scene, v2_max);
+  return HC_OK;
+}
+
+void hc_simulation_adopt(hc_simulation *simulation) {
+  hc_world *world = &simulation->world;
+  hc_world_distribute(world);
+  hc_world_update(world);
+  simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
+}
+
+hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_scene *scene,
+                             hc_error *error) {
+  if (hc_simulation_prepare(simulation, comm, scene, error) != HC_OK) return error->status;
+  if (hc_simulation_populate(simulation, error) != HC_OK) hc_simulation_free(simulation);
+  return error->status;
+}
+
 void hc_simulation_free(hc_simulation *simulation) {
+  hc_state_free(&simulation->state);
   hc_world_free(&simulation->world);
 }
 

@@ -6,6 +6,7 @@
 #include "scene/scene.h"
 #include "setup/populate.h"
 #include "solver/solver.h"
+#include "state/state.h"
 #include "stepping/time_step.h"
 
 typedef struct hc_simulation {
@@ -24,6 +25,7 @@ typedef struct hc_simulation {
   double imbalance;           /* largest over mean number of own fluid particles, when last measured */
   int64_t rebalance_interval; /* steps between two looks at the balance */
   bool rebalanced;            /* in the last step */
+  hc_state state;             /* all that the next step reads; callers may add what is theirs */
 } hc_simulation;
 
 /* Makes the particles of a scene, spreads them over the ranks and finds their first neighbourhoods.
@@ -31,6 +33,16 @@ typedef struct hc_simulation {
  * needs freeing. */
 hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_scene *scene,
                              hc_error *error);
+
+/* The same in two halves, with a choice for the second. Prepare: everything but the particles. Then either
+ * populate: the particles of the scene, at the start; or, after a visitor has filled simulation->state,
+ * adopt: spreads the particles that came with it over the ranks, as they were in the midst of a run.
+ * Collective; the simulation must be freed if one of the second fails. It must stay where it is: its state
+ * knows its place. */
+hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const hc_scene *scene,
+                                hc_error *error);
+hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error);
+void hc_simulation_adopt(hc_simulation *simulation);
 void hc_simulation_free(hc_simulation *simulation);
 
 /* Has the run reached its end time? */

@@ -66,8 +66,8 @@ static int sums_of(const hc_gauges *gauges, int g) {
   }
 }
 
-hc_status hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
-                         double mass, const hc_particles *boundary, hc_error *error) {
+void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
+                    double mass) {
   const int count = scene->output.gauge_count;
   *gauges = (hc_gauges){.scene = scene,
                         .frame = frame,
@@ -79,16 +79,28 @@ hc_status hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene
     gauges->state[g].wall = find_wall(scene, gauge->wall);
     gauges->state[g].first_sum = gauges->sum_count;
     gauges->sum_count += sums_of(gauges, g);
+  }
+}
+
+void hc_gauges_register(hc_gauges *gauges, hc_state *state) {
+  hc_state_add(state, HC_TYPE_f64, 1, &gauges->elapsed, "gauges.elapsed");
+  for (int g = 0; g < gauges->scene->output.gauge_count; g++)
+    hc_state_add(state, HC_TYPE_f64, HC_GAUGE_COLUMNS, gauges->state[g].integral, "gauges.%d.integral", g);
+}
+
+hc_status hc_gauges_find_walls(hc_gauges *gauges, const hc_particles *boundary, hc_error *error) {
+  for (int g = 0; g < gauges->scene->output.gauge_count; g++) {
+    const hc_scene_gauge *gauge = &gauges->scene->output.gauges[g];
     if (gauge->type != HC_GAUGE_PRESSURE || gauges->state[g].wall < 0) continue;
     hc_sum area;
     memset(&area, 0, sizeof area);
     hc_measure_patch_area(gauges, g, boundary, &area);
-    gauges->state[g].area = sum_over_ranks(comm, &area);
+    gauges->state[g].area = sum_over_ranks(gauges->comm, &area);
     if (gauges->state[g].area == 0.0)
       return hc_error_set(
           error, HC_BAD_INPUT,
           "output.gauges[%d] %s: wall '%s' has no sample within a support radius (%g m) of (%g, %g, %g) m", g,
-          gauge->name, gauge->wall, frame->support_radius, gauge->at[0], gauge->at[1], gauge->at[2]);
+          gauge->name, gauge->wall, gauges->frame->support_radius, gauge->at[0], gauge->at[1], gauge->at[2]);
   }
   return HC_OK;
 }

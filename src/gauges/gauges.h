@@ -21,6 +21,7 @@
 #include "scene/scene.h"
 #include "space/frame.h"
 #include "sph/sweeps.h"
+#include "state/state.h"
 
 enum { HC_GAUGE_COLUMNS = 6 }; /* the most that one gauge has */
 
@@ -42,12 +43,18 @@ typedef struct hc_gauges {
   double elapsed;        /* s, since the last reading */
 } hc_gauges;
 
-/* Sets up the scene's gauges; scene and frame stay in use. Boundary particles must be with their owners.
- * HC_BAD_INPUT, agreed, for a pressure on a wall that has no sample within a support radius of the point; the
- * gauges are to be freed all the same. Collective. */
-hc_status hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
-                         double mass, const hc_particles *boundary, hc_error *error);
+/* Sets up the scene's gauges; scene and frame stay in use. Local. */
+void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
+                    double mass);
 void hc_gauges_free(hc_gauges *gauges);
+
+/* Registers the averages under way. Local. */
+void hc_gauges_register(hc_gauges *gauges, hc_state *state);
+
+/* Finds the samples of the walls that are measured, before the first step or reading. Boundary particles must
+ * be with their owners. HC_BAD_INPUT, agreed, for a pressure on a wall that has no sample within a support
+ * radius of the point. Collective. */
+hc_status hc_gauges_find_walls(hc_gauges *gauges, const hc_particles *boundary, hc_error *error);
 
 /* Columns of all gauges together, and the name of one of them (such as "box_fx"). Local. */
 int hc_gauges_columns(const hc_scene *scene);

@@ -1,5 +1,5 @@
-/* `halocline diff A B`: two snapshots, particle by particle, matched by id, whatever the ranks that wrote
- * them.
+/* `halocline diff A B`: two snapshots or checkpoints, particle by particle, matched by id, whatever the ranks
+ * that wrote them.
  *
  * Without a tolerance two files are the same if they hold the same ids, and for each id the same integer
  * position (relative to the scene's origin) and the same bits in every field that either has, at the same

@@ -1,5 +1,7 @@
 #include "h5.h"
 
+#include "base/check.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -82,4 +84,44 @@ void hc_h5_get_text(hid_t where, const char *name, char *text, size_t size, hc_e
     hc_h5_get(where, name, type, 1, text, problem);
   text[size - 1] = 0;
   if (type >= 0) H5Tclose(type);
+}
+
+hid_t hc_h5_create_group(hid_t where, const char *name, hc_error *problem) {
+  const hid_t group = H5Gcreate2(where, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  if (group < 0) hc_h5_failed(problem, HC_IO_FAILED, "cannot create group %s", name);
+  return group;
+}
+
+void hc_h5_close_group(hid_t group, hc_error *problem) {
+  if (group >= 0 && H5Gclose(group) < 0) hc_h5_failed(problem, HC_IO_FAILED, "cannot close a group");
+}
+
+hid_t hc_h5_file_type(hc_field_type type) {
+  switch (type) {
+  case HC_TYPE_i64:
+  case HC_TYPE_u64:
+    return H5T_STD_I64LE;
+  case HC_TYPE_f64:
+    return H5T_IEEE_F64LE;
+  case HC_TYPE_f32:
+    return H5T_IEEE_F32LE;
+  case HC_TYPE_record:
+    break;
+  }
+  hc_check_failed(__FILE__, __LINE__, "a record cannot be written to a file");
+}
+
+hid_t hc_h5_memory_type(hc_field_type type) {
+  switch (type) {
+  case HC_TYPE_i64:
+  case HC_TYPE_u64:
+    return H5T_NATIVE_INT64;
+  case HC_TYPE_f64:
+    return H5T_NATIVE_DOUBLE;
+  case HC_TYPE_f32:
+    return H5T_NATIVE_FLOAT;
+  case HC_TYPE_record:
+    break;
+  }
+  hc_check_failed(__FILE__, __LINE__, "a record cannot be written to a file");
 }

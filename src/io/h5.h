@@ -6,6 +6,7 @@
 #define HC_H5_H
 
 #include "halocline/error.h"
+#include "particles/particles.h"
 
 #include <hdf5.h>
 #include <stddef.h>
@@ -30,5 +31,15 @@ void hc_h5_put_text(hid_t where, const char *name, const char *text,
 /* Reads an attribute of exactly `count` values (text: at most size - 1 bytes). Failure is HC_BAD_INPUT. */
 void hc_h5_get(hid_t where, const char *name, hid_t memory_type, int count, void *values, hc_error *problem);
 void hc_h5_get_text(hid_t where, const char *name, char *text, size_t size, hc_error *problem);
+
+/* Groups. Collective over the ranks that share the file. Failure is HC_IO_FAILED; an invalid one is closed
+ * for nothing. */
+hid_t hc_h5_create_group(hid_t where, const char *name, hc_error *problem);
+void hc_h5_close_group(hid_t group, hc_error *problem);
+
+/* How a field's numbers are stored, and how they stand in memory. Ids are signed in files, as ParaView wants
+ * them; the bits stay. */
+hid_t hc_h5_file_type(hc_field_type type);
+hid_t hc_h5_memory_type(hc_field_type type);
 
 #endif

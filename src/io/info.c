@@ -27,7 +27,7 @@ static unsigned flag_of(uint64_t id) {
 }
 
 static void count_pieces(hc_info_report *report, const int64_t *pieces) {
-  const int64_t count = report->file.facts.pieces;
+  const int64_t count = pieces ? report->file.facts.pieces : 0;
   report->piece_min = count ? INT64_MAX : 0;
   for (int64_t piece = 0; piece < count; piece++) {
     const int64_t particles = pieces[2 * piece] + pieces[2 * piece + 1];

@@ -26,8 +26,8 @@ static void put_totals(const hc_info_report *report, FILE *out) {
 static void put_facts(const hc_info_report *report, FILE *out) {
   const hc_snapshot_facts *facts = &report->file.facts;
   char a[HC_TEXT_NUMBER], b[HC_TEXT_NUMBER];
-  fprintf(out, "%s: a Halocline snapshot (format %" PRId64 ", written by version %s)\n", report->file.path,
-          facts->format_version, facts->program_version);
+  fprintf(out, "%s: a Halocline %s (format %" PRId64 ", written by version %s)\n", report->file.path,
+          report->file.checkpoint ? "checkpoint" : "snapshot", facts->format_version, facts->program_version);
   fprintf(out, "scene             %s\n", facts->scene);
   fprintf(out, "time              %s s\n", hc_text_number(a, facts->time));
   fprintf(out, "step              %" PRId64 " (dt %s s)\n", facts->step, hc_text_number(a, facts->dt));
@@ -39,8 +39,11 @@ static void put_facts(const hc_info_report *report, FILE *out) {
   fprintf(out, "gravity           (%.6g, %.6g, %.6g) m/s2\n", facts->gravity[0], facts->gravity[1],
           facts->gravity[2]);
   put_totals(report, out);
-  fprintf(out, "pieces            %" PRId64 " (one per rank), %" PRId64 " to %" PRId64 " particles each\n",
-          facts->pieces, report->piece_min, report->piece_max);
+  if (report->file.checkpoint)
+    fprintf(out, "written by        %" PRId64 " ranks\n", facts->pieces);
+  else
+    fprintf(out, "pieces            %" PRId64 " (one per rank), %" PRId64 " to %" PRId64 " particles each\n",
+            facts->pieces, report->piece_min, report->piece_max);
   for (int kind = 0; kind < HC_INFO_KINDS; kind++) {
     const double *low = report->extent[kind].low, *high = report->extent[kind].high;
     if (report->extent[kind].count == 0) continue;
@@ -77,7 +80,8 @@ static void put_json_facts(const hc_info_report *report, FILE *out) {
   const hc_snapshot_facts *facts = &report->file.facts;
   fprintf(out, "{\"file\":");
   hc_text_json_string(out, report->file.path);
-  fprintf(out, ",\"format\":%" PRId64 ",\"version\":", facts->format_version);
+  fprintf(out, ",\"content\":\"%s\",\"format\":%" PRId64 ",\"version\":",
+          report->file.checkpoint ? "checkpoint" : "snapshot", facts->format_version);
   hc_text_json_string(out, facts->program_version);
   fprintf(out, ",\"scene\":");
   hc_text_json_string(out, facts->scene);

@@ -1,10 +1,12 @@
 #include "run_dir.h"
 
+#include "series.h"
 #include "text.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -56,22 +58,24 @@ static hc_status remove_file(const char *directory, const char *name, hc_error *
   return hc_error_set(error, HC_IO_FAILED, "cannot remove %s of the old run: %s", path, strerror(errno));
 }
 
-/* prefix, digits, suffix; also with a dot before and ".tmp" behind. */
-static bool is_numbered(const char *name, const char *prefix, const char *suffix) {
+/* prefix, digits, suffix; also with a dot before and ".tmp" behind. The number, or -1 if the name is not one.
+ */
+static long long number_of(const char *name, const char *prefix, const char *suffix) {
   const bool temporary = *name == '.';
   name += temporary;
   const size_t length = strlen(prefix);
-  if (strncmp(name, prefix, length) != 0) return false;
+  if (strncmp(name, prefix, length) != 0) return -1;
   name += length;
+  const long long number = strtoll(name, NULL, 10);
   const size_t digits = strspn(name, "0123456789");
   name += digits;
-  if (digits == 0 || strncmp(name, suffix, strlen(suffix)) != 0) return false;
-  return strcmp(name + strlen(suffix), temporary ? ".tmp" : "") == 0;
+  if (digits == 0 || strncmp(name, suffix, strlen(suffix)) != 0) return -1;
+  return strcmp(name + strlen(suffix), temporary ? ".tmp" : "") == 0 ? number : -1;
 }
 
-/* Removes numbered files from a subdirectory. */
+/* Removes files with this number or a later one from a subdirectory. */
 static hc_status remove_numbered(const char *directory, const char *below, const char *prefix,
-                                 const char *suffix, hc_error *error) {
+                                 const char *suffix, long long from, hc_error *error) {
   char path[HC_TEXT_PATH];
   hc_status status = hc_text_path(path, error, "%s/%s", directory, below);
   if (status != HC_OK) return status;
@@ -86,7 +90,7 @@ static hc_status remove_numbered(const char *directory, const char *below, const
     if (!item && errno)
       status = hc_error_set(error, HC_IO_FAILED, "cannot list %s: %s", path, strerror(errno));
     if (!item || status != HC_OK) break;
-    if (is_numbered(item->d_name, prefix, suffix)) status = remove_file(path, item->d_name, error);
+    if (number_of(item->d_name, prefix, suffix) >= from) status = remove_file(path, item->d_name, error);
   }
   closedir(list);
   return status;
@@ -96,8 +100,16 @@ static hc_status clear_run(const char *directory, hc_error *error) {
   hc_status status = HC_OK;
   for (size_t k = 0; status == HC_OK && k < sizeof own_files / sizeof *own_files; k++)
     status = remove_file(directory, own_files[k], error);
-  if (status == HC_OK) status = remove_numbered(directory, "snapshots", "snap_", ".hdf", error);
-  if (status == HC_OK) status = remove_numbered(directory, "checkpoints", "ckpt_", ".h5", error);
+  if (status == HC_OK) status = remove_numbered(directory, "snapshots", "snap_", ".hdf", 0, error);
+  if (status == HC_OK) status = remove_numbered(directory, "checkpoints", "ckpt_", ".h5", 0, error);
+  return status;
+}
+
+hc_status hc_run_dir_cut(const char *directory, int64_t snapshots, hc_error *error) {
+  char path[HC_TEXT_PATH];
+  hc_status status = hc_text_path(path, error, "%s/snapshots", directory);
+  if (status == HC_OK) status = remove_numbered(directory, "snapshots", "snap_", ".hdf", snapshots, error);
+  if (status == HC_OK) status = hc_series_cut(path, (int)snapshots, error);
   return status;
 }
 

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stdio.h>
+#include <unistd.h>
 
 static void put_entry(FILE *stream, bool first, int number, double time) {
   char text[HC_TEXT_NUMBER];
@@ -12,7 +13,8 @@ static void put_entry(FILE *stream, bool first, int number, double time) {
           hc_text_json_number(text, time));
 }
 
-hc_status hc_series_add(const char *directory, int number, double time, hc_error *error) {
+/* The series with its entries before `number`, and one more of that number and time unless `cut`. */
+static hc_status rewrite(const char *directory, int number, bool cut, double time, hc_error *error) {
   char path[HC_TEXT_PATH];
   hc_atomic_file file;
   hc_status status = hc_text_path(path, error, "%s/run.hdf.series", directory);
@@ -33,7 +35,18 @@ hc_status hc_series_add(const char *directory, int number, double time, hc_error
     }
     fclose(old);
   }
-  put_entry(file.stream, first, number, time);
+  if (!cut) put_entry(file.stream, first, number, time);
   fprintf(file.stream, "\n]}\n");
   return hc_atomic_file_commit(&file, error);
+}
+
+hc_status hc_series_add(const char *directory, int number, double time, hc_error *error) {
+  return rewrite(directory, number, false, time, error);
+}
+
+hc_status hc_series_cut(const char *directory, int number, hc_error *error) {
+  char path[HC_TEXT_PATH];
+  const hc_status status = hc_text_path(path, error, "%s/run.hdf.series", directory);
+  if (status != HC_OK || access(path, F_OK) != 0) return status;
+  return rewrite(directory, number, true, 0.0, error);
 }

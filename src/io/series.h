@@ -10,4 +10,7 @@
  * counts as empty. */
 hc_status hc_series_add(const char *directory, int number, double time, hc_error *error);
 
+/* Drops the entries with this number or a later one; a series that is missing stays so. Local, for rank 0. */
+hc_status hc_series_cut(const char *directory, int number, hc_error *error);
+
 #endif

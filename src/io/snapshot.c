@@ -1,143 +1,35 @@
 #include "snapshot.h"
 
-#include "atomic_file.h"
-#include "h5.h"
 #include "series.h"
+#include "shared_file.h"
 #include "snapshot_layout.h"
-#include "text.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
-#include <string.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
-#include <sys/statvfs.h>
-#include <unistd.h>
 
-typedef struct paths {
-  char directory[HC_TEXT_PATH], temporary[HC_TEXT_PATH], final[HC_TEXT_PATH];
-} paths;
-
-static void name_paths(paths *names, const char *directory, int number, hc_error *problem) {
-  if (hc_text_path(names->directory, problem, "%s/snapshots", directory) != HC_OK) return;
-  if (hc_text_path(names->temporary, problem, "%s/.snap_%06d.hdf.tmp", names->directory, number) != HC_OK)
-    return;
-  hc_text_path(names->final, problem, "%s/snap_%06d.hdf", names->directory, number);
-}
-
-/* Every rank: a file larger than its limit would end the process with a signal. */
-static void check_size_limit(const paths *names, int64_t bytes, hc_error *problem) {
-  struct rlimit limit;
-  if (getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-  if ((rlim_t)bytes <= limit.rlim_cur) return;
-  hc_error_set(problem, HC_IO_FAILED,
-               "cannot write %s: it needs %lld bytes, the file size limit (ulimit -f) is %lld", names->final,
-               (long long)bytes, (long long)limit.rlim_cur);
-}
-
-/* Rank 0, before HDF5 knows the file: the plain errors (no such directory, no permission) in plain words.
- * Returns a descriptor of the empty temporary, or -1. */
-static int create_temporary(const paths *names, hc_error *problem) {
-  if (mkdir(names->directory, 0777) != 0 && errno != EEXIST) {
-    hc_error_set(problem, HC_IO_FAILED, "cannot create %s: %s", names->directory, strerror(errno));
-    return -1;
+/* Everything between the counts and the finished file. Collective; afterwards `problem` is agreed. */
+static void write_file(hc_snapshot_layout *layout, const char *directory, int number, hc_error *problem) {
+  hc_shared_file file;
+  char name[32];
+  snprintf(name, sizeof name, "snap_%06d.hdf", number);
+  if (hc_shared_file_open(&file, layout->comm, directory, "snapshots", name, hc_snapshot_layout_bytes(layout),
+                          0, problem) == HC_OK) {
+    layout->file = file.handle;
+    hc_snapshot_layout_define(layout);
+    if (hc_comm_agree(layout->comm, problem) == HC_OK) hc_snapshot_layout_fill(layout);
+    hc_snapshot_layout_close(layout);
+    hc_shared_file_close(&file);
   }
-  const int file = open(names->temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) hc_error_set(problem, HC_IO_FAILED, "cannot write %s: %s", names->temporary, strerror(errno));
-  return file;
-}
-
-/* Rank 0: blocks for the whole file before any data goes out. A disk that fills up in the middle of a
- * collective write can leave the ranks waiting for each other; one that is full now is an ordinary error.
- * Where the file system cannot reserve, its free space is compared. */
-static void reserve(int file, const paths *names, int64_t bytes, hc_error *problem) {
-  if (fallocate(file, FALLOC_FL_KEEP_SIZE, 0, bytes) == 0) return;
-  if (errno != EOPNOTSUPP && errno != ENOSYS && errno != EINTR) {
-    hc_error_set(problem, HC_IO_FAILED, "cannot write %s: it needs %lld bytes: %s", names->final,
-                 (long long)bytes, strerror(errno));
-    return;
-  }
-  struct statvfs disk;
-  if (fstatvfs(file, &disk) != 0) return;
-  const int64_t free_bytes = (int64_t)disk.f_bavail * (int64_t)disk.f_frsize;
-  if (free_bytes < bytes)
-    hc_error_set(problem, HC_IO_FAILED, "cannot write %s: it needs %lld bytes, %lld are free", names->final,
-                 (long long)bytes, (long long)free_bytes);
-}
-
-static hid_t create_shared(hc_comm *comm, const char *path, hc_error *problem) {
-  hid_t file = H5I_INVALID_HID;
-  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-  if (access < 0 || H5Pset_fapl_mpio(access, comm->mpi, MPI_INFO_NULL) < 0)
-    hc_h5_failed(problem, HC_IO_FAILED, "cannot set up parallel HDF5");
-  else
-    file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
-  if (file < 0) hc_h5_failed(problem, HC_IO_FAILED, "cannot create %s", path);
-  if (access >= 0) H5Pclose(access);
-  return file;
-}
-
-/* HDF5 writes its headers when it closes, and breaks for good if it cannot (1.10.8 crashes in MPI_Finalize).
- * So a failed file gives its blocks back first. */
-static void make_closable(hc_comm *comm, int file) {
-  hc_comm_barrier(comm);
-  const int failed = comm->rank == 0 ? ftruncate(file, 0) : 0;
-  (void)failed; /* then it closes as well as it can */
-  hc_comm_barrier(comm);
-}
-
-/* From the empty temporary to the complete, closed one. Collective; afterwards `problem` is agreed. */
-static void write_content(hc_snapshot_layout *layout, const paths *names, int reserved, hc_error *problem) {
-  hc_comm *comm = layout->comm;
-  layout->file = create_shared(comm, names->temporary, problem); /* empties it: reserve once more */
-  if (comm->rank == 0 && problem->status == HC_OK)
-    reserve(reserved, names, hc_snapshot_layout_bytes(layout), problem);
-  if (hc_comm_agree(comm, problem) != HC_OK) {
-    if (layout->file >= 0) H5Fclose(layout->file);
-    return;
-  }
-  hc_snapshot_layout_define(layout);
-  if (hc_comm_agree(comm, problem) == HC_OK) hc_snapshot_layout_fill(layout);
-  if (problem->status != HC_OK) make_closable(comm, reserved);
-  hc_snapshot_layout_close(layout);
-  if (H5Fclose(layout->file) < 0) hc_h5_failed(problem, HC_IO_FAILED, "cannot complete the file");
-  hc_comm_agree(comm, problem);
-}
-
-/* Rank 0: gives back the reserved blocks that were not needed, syncs and renames. */
-static void publish(int file, const paths *names, int number, double time, hc_error *problem) {
-  struct stat facts;
-  if (fstat(file, &facts) != 0 || ftruncate(file, facts.st_size) != 0 || fsync(file) != 0) {
-    hc_error_set(problem, HC_IO_FAILED, "cannot write %s: %s", names->final, strerror(errno));
-    return;
-  }
-  if (hc_atomic_file_rename(names->temporary, names->final, problem) != HC_OK) return;
-  hc_series_add(names->directory, number, time, problem);
+  if (hc_shared_file_end(&file) == HC_OK && layout->comm->rank == 0)
+    hc_series_add(file.directory, number, layout->snapshot->time, problem);
+  hc_comm_agree(layout->comm, problem);
 }
 
 hc_status hc_snapshot_write(hc_comm *comm, const hc_snapshot *snapshot, const char *directory, int number,
                             hc_error *error) {
   hc_error problem = {.status = HC_OK};
   hc_snapshot_layout layout;
-  paths names;
-  int file = -1;
-  hc_h5_silence();
   hc_snapshot_layout_init(&layout, comm, snapshot, &problem);
-  name_paths(&names, directory, number, &problem);
-  if (problem.status == HC_OK) check_size_limit(&names, hc_snapshot_layout_bytes(&layout), &problem);
-  if (problem.status == HC_OK && comm->rank == 0) {
-    file = create_temporary(&names, &problem);
-    if (file >= 0) reserve(file, &names, hc_snapshot_layout_bytes(&layout), &problem);
-  }
-  if (hc_comm_agree(comm, &problem) == HC_OK) write_content(&layout, &names, file, &problem);
-  if (comm->rank == 0 && problem.status == HC_OK) publish(file, &names, number, snapshot->time, &problem);
-  if (file >= 0) {
-    close(file);
-    if (problem.status != HC_OK) unlink(names.temporary);
-  }
-  hc_comm_agree(comm, &problem);
-  H5garbage_collect(); /* HDF5 keeps its buffers for next time; the particles need the memory more */
+  if (hc_comm_agree(comm, &problem) == HC_OK) write_file(&layout, directory, number, &problem);
   hc_snapshot_layout_free(&layout);
   if (problem.status != HC_OK) {
     char reason[HC_ERROR_TEXT - 192];

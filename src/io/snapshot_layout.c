@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "base/memory.h"
+#include "facts.h"
 #include "particles/ids.h"
 
 #include <stdio.h>
@@ -99,36 +100,6 @@ int64_t hc_snapshot_layout_bytes(const hc_snapshot_layout *layout) {
 
 /* ---- definition ---- */
 
-static hid_t file_type(hc_field_type type) {
-  switch (type) {
-  case HC_TYPE_i64:
-  case HC_TYPE_u64:
-    return H5T_STD_I64LE;
-  case HC_TYPE_f64:
-    return H5T_IEEE_F64LE;
-  case HC_TYPE_f32:
-    return H5T_IEEE_F32LE;
-  case HC_TYPE_record:
-    break;
-  }
-  hc_check_failed(__FILE__, __LINE__, "a record cannot be written to a snapshot");
-}
-
-static hid_t memory_type(hc_field_type type) {
-  switch (type) {
-  case HC_TYPE_i64:
-  case HC_TYPE_u64:
-    return H5T_NATIVE_INT64; /* ParaView's ids are signed; the bits stay */
-  case HC_TYPE_f64:
-    return H5T_NATIVE_DOUBLE;
-  case HC_TYPE_f32:
-    return H5T_NATIVE_FLOAT;
-  case HC_TYPE_record:
-    break;
-  }
-  hc_check_failed(__FILE__, __LINE__, "a record cannot be written to a snapshot");
-}
-
 static void define(hc_snapshot_layout *layout, hc_snapshot_column *column, hid_t group, const char *name,
                    hid_t type, int components, bool packed) {
   const hsize_t extent[2] = {(hsize_t)column->rows, (hsize_t)components};
@@ -148,19 +119,9 @@ static void define(hc_snapshot_layout *layout, hc_snapshot_column *column, hid_t
   if (space >= 0) H5Sclose(space);
 }
 
-static hid_t create_group(hc_snapshot_layout *layout, hid_t where, const char *name) {
-  const hid_t group = H5Gcreate2(where, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  if (group < 0) hc_h5_failed(layout->problem, HC_IO_FAILED, "cannot create group %s", name);
-  return group;
-}
-
-static void close_group(hc_snapshot_layout *layout, hid_t group) {
-  if (group >= 0 && H5Gclose(group) < 0) hc_h5_failed(layout->problem, HC_IO_FAILED, "cannot close a group");
-}
-
 static void define_vtk(hc_snapshot_layout *layout) {
   const int64_t version[2] = {1, 0};
-  const hid_t vtk = create_group(layout, layout->file, "VTKHDF");
+  const hid_t vtk = hc_h5_create_group(layout->file, "VTKHDF", layout->problem);
   hc_h5_put_i64(vtk, "Version", 2, version, layout->problem);
   hc_h5_put_text(vtk, "Type", "UnstructuredGrid", layout->problem);
   static const char *const per_piece[3] = {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"};
@@ -170,51 +131,22 @@ static void define_vtk(hc_snapshot_layout *layout) {
   define(layout, &layout->connectivity, vtk, "Connectivity", H5T_STD_I64LE, 1, true);
   define(layout, &layout->offsets, vtk, "Offsets", H5T_STD_I64LE, 1, true);
   define(layout, &layout->types, vtk, "Types", H5T_STD_U8LE, 1, true);
-  const hid_t data = create_group(layout, vtk, "PointData");
+  const hid_t data = hc_h5_create_group(vtk, "PointData", layout->problem);
   define(layout, &layout->kind, data, "kind", H5T_STD_U8LE, 1, true);
   for (int k = 0; k < layout->field_count; k++) {
     const hc_field_info *info = &hc_fields[layout->fields[k]];
-    define(layout, &layout->field[k], data, info->name, file_type(info->type), info->components, false);
+    define(layout, &layout->field[k], data, info->name, hc_h5_file_type(info->type), info->components, false);
   }
-  close_group(layout, data);
-  close_group(layout, vtk);
+  hc_h5_close_group(data, layout->problem);
+  hc_h5_close_group(vtk, layout->problem);
 }
 
 static void define_own(hc_snapshot_layout *layout) {
-  const hc_snapshot *snapshot = layout->snapshot;
-  const hc_scene *scene = snapshot->scene;
-  const hc_frame *frame = snapshot->frame;
-  hc_error *problem = layout->problem;
-  const hid_t own = create_group(layout, layout->file, "Halocline");
-  const int64_t format = HC_SNAPSHOT_FORMAT;
-  hc_h5_put_i64(own, "format_version", 1, &format, problem);
-  hc_h5_put_text(own, "program_version", HC_VERSION, problem);
-  hc_h5_put_text(own, "scene", scene->name, problem);
-  hc_h5_put_f64(own, "time", 1, &snapshot->time, problem);
-  hc_h5_put_i64(own, "step", 1, &snapshot->step, problem);
-  hc_h5_put_f64(own, "dt", 1, &snapshot->dt, problem);
-  hc_h5_put_f64(own, "particle_spacing", 1, &scene->particle_spacing, problem);
-  hc_h5_put_f64(own, "support_radius", 1, &frame->support_radius, problem);
-  hc_h5_put_f64(own, "rest_density", 1, &scene->fluid.rest_density, problem);
-  hc_h5_put_f64(own, "particle_mass", 1, &snapshot->particle_mass, problem);
-  hc_h5_put_f64(own, "gravity", 3, scene->gravity, problem);
-  hc_h5_put_f64(own, "unit", 3, frame->unit, problem);
-  hc_h5_put_i64(own, "origin", 3, frame->origin, problem);
-  hc_h5_put_i64(own, "period", 3, frame->period, problem);
-  hc_h5_put_i64(own, "low", 3, frame->low, problem);
-  hc_h5_put_i64(own, "fluid_particles", 1, &layout->fluid, problem);
-  hc_h5_put_i64(own, "boundary_particles", 1, &layout->boundary, problem);
+  const hid_t own = hc_h5_create_group(layout->file, "Halocline", layout->problem);
+  hc_facts_put(own, layout->snapshot, layout->fluid, layout->boundary, layout->problem);
   define(layout, &layout->per_piece[3], own, "fluid_per_piece", H5T_STD_I64LE, 1, false);
-  const hid_t units = create_group(layout, own, "units"), kinds = create_group(layout, own, "kinds");
-  for (int k = 0; k < layout->field_count; k++) {
-    const hc_field_info *info = &hc_fields[layout->fields[k]];
-    const int64_t who = info->flags & (HC_FLUID | HC_BOUNDARY);
-    hc_h5_put_text(units, info->name, info->unit, problem);
-    hc_h5_put_i64(kinds, info->name, 1, &who, problem);
-  }
-  close_group(layout, kinds);
-  close_group(layout, units);
-  close_group(layout, own);
+  hc_facts_put_fields(own, layout->fields, layout->field_count, layout->problem);
+  hc_h5_close_group(own, layout->problem);
 }
 
 void hc_snapshot_layout_define(hc_snapshot_layout *layout) {
@@ -310,7 +242,7 @@ static void fill_field(hc_snapshot_layout *layout, const hc_snapshot_column *col
       const int64_t left = particles->own - done, count = left < step ? left : step;
       const void *rows =
           has ? (const char *)particles->data[column->field] + (size_t)done * info->bytes : slice;
-      write_rows(layout, column, memory_type(info->type), info->components, row, count, rows);
+      write_rows(layout, column, hc_h5_memory_type(info->type), info->components, row, count, rows);
       row += count;
     }
   }

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "h5.h"
 #include "particles/particles.h"
+#include "seal.h"
 #include "snapshot.h"
 
 #include <errno.h>
@@ -104,6 +105,35 @@ static hc_status read_column(const hc_snapshot_file *file, const char *name, hid
   hc_free(*values);
   *values = NULL;
   return broken(file, error, "%s", problem.text);
+}
+
+/* A column of a checkpoint: the fluid's rows, then the boundary's; zeros for a kind that lacks the field. */
+static hc_status read_halves(const hc_snapshot_file *file, hc_field_id id, void **values, hc_error *error) {
+  static const char *const groups[] = {"fluid", "boundary"};
+  const int64_t rows[] = {file->facts.fluid, file->facts.boundary};
+  const unsigned kinds[] = {HC_FLUID, HC_BOUNDARY};
+  const hc_field_info *info = &hc_fields[id];
+  char *all = hc_alloc_zero((size_t)file->facts.particles, info->bytes), *to = all;
+  hc_status status = HC_OK;
+  for (int half = 0; half < 2 && status == HC_OK; half++) {
+    char name[HC_SNAPSHOT_READ_NAME + 16];
+    void *rows_read = NULL;
+    const size_t bytes = (size_t)rows[half] * info->bytes;
+    snprintf(name, sizeof name, "%s/%s", groups[half], info->name);
+    if (info->flags & kinds[half]) {
+      status = read_column(file, name, hc_h5_memory_type(info->type), info->bytes / (size_t)info->components,
+                           rows[half], info->components, &rows_read, error);
+      if (status == HC_OK) memcpy(to, rows_read, bytes);
+      hc_free(rows_read);
+    }
+    to += bytes;
+  }
+  if (status != HC_OK) {
+    hc_free(all);
+    all = NULL;
+  }
+  *values = all;
+  return status;
 }
 
 /* ---- open ---- */
@@ -209,6 +239,24 @@ static void list_fields(hc_snapshot_file *file, hid_t own, hc_error *problem) {
   if (data >= 0) H5Gclose(data);
 }
 
+static void list_state(hc_snapshot_file *file) {
+  static const hc_snapshot_type types[] = {[HC_TYPE_i64] = HC_SNAPSHOT_I64,
+                                           [HC_TYPE_u64] = HC_SNAPSHOT_I64,
+                                           [HC_TYPE_f64] = HC_SNAPSHOT_F64,
+                                           [HC_TYPE_f32] = HC_SNAPSHOT_F32};
+  for (int id = 0; id < HC_FIELD_COUNT; id++) {
+    const hc_field_info *info = &hc_fields[id];
+    if (!(info->flags & HC_STATE) || id == HC_FIELD_id || id == HC_FIELD_position) continue;
+    hc_snapshot_field *field = &file->fields[file->field_count++];
+    *field = (hc_snapshot_field){.type = types[info->type],
+                                 .components = info->components,
+                                 .bytes = info->bytes,
+                                 .kinds = info->flags & (HC_FLUID | HC_BOUNDARY)};
+    snprintf(field->name, sizeof field->name, "%s", info->name);
+    snprintf(field->unit, sizeof field->unit, "%s", info->unit);
+  }
+}
+
 static void count_pieces(hc_snapshot_file *file, hc_error *problem) {
   const hid_t dataset = H5Dopen2(file->handle, "Halocline/fluid_per_piece", H5P_DEFAULT);
   int components = 0;
@@ -229,6 +277,17 @@ static void count_pieces(hc_snapshot_file *file, hc_error *problem) {
                  (long long)boundary, (long long)file->facts.fluid, (long long)file->facts.boundary);
 }
 
+/* Snapshots begin with HDF5's signature. A checkpoint whose seal is broken does not: HDF5 must not see it. */
+static bool begins_as_hdf5(const char *path) {
+  static const char signature[] = "\211HDF\r\n\032\n";
+  char begin[sizeof signature - 1];
+  FILE *stream = fopen(path, "rb");
+  const bool same =
+      stream && fread(begin, sizeof begin, 1, stream) == 1 && memcmp(begin, signature, sizeof begin) == 0;
+  if (stream) fclose(stream);
+  return same;
+}
+
 hc_status hc_snapshot_read_open(const char *path, hc_snapshot_file *file, hc_error *error) {
   hc_error problem = {.status = HC_OK};
   hc_h5_silence();
@@ -238,7 +297,11 @@ hc_status hc_snapshot_read_open(const char *path, hc_snapshot_file *file, hc_err
   if (access(path, R_OK) != 0 || stat(path, &facts) != 0)
     return broken(file, error, "cannot read it: %s", strerror(errno));
   if (S_ISDIR(facts.st_mode)) return broken(file, error, "a folder, not a snapshot");
-  const htri_t is_hdf5 = H5Fis_hdf5(path);
+  file->checkpoint = hc_seal_is_there(path);
+  if (file->checkpoint && hc_seal_check(NULL, path, &problem) != HC_OK)
+    return broken(file, error, "%s", problem.text);
+  const htri_t is_hdf5 = file->checkpoint || begins_as_hdf5(path);
+  if (!is_hdf5) return broken(file, error, "not an HDF5 file");
   file->handle = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file->handle < 0) {
     hc_h5_failed(&problem, HC_BAD_INPUT,
@@ -250,8 +313,13 @@ hc_status hc_snapshot_read_open(const char *path, hc_snapshot_file *file, hc_err
     hc_h5_failed(&problem, HC_BAD_INPUT, "not a Halocline snapshot: it has no group /Halocline");
   else
     read_facts(file, own, &problem);
-  if (problem.status == HC_OK) list_fields(file, own, &problem);
-  if (problem.status == HC_OK) count_pieces(file, &problem);
+  if (problem.status == HC_OK && file->checkpoint) {
+    list_state(file);
+    hc_h5_get(own, "ranks", H5T_NATIVE_INT64, 1, &file->facts.pieces, &problem);
+  } else {
+    if (problem.status == HC_OK) list_fields(file, own, &problem);
+    if (problem.status == HC_OK) count_pieces(file, &problem);
+  }
   if (own >= 0) H5Gclose(own);
   if (problem.status == HC_OK) return HC_OK;
   hc_snapshot_read_close(file);
@@ -267,14 +335,39 @@ void hc_snapshot_read_close(hc_snapshot_file *file) {
 
 hc_status hc_snapshot_read_ids(const hc_snapshot_file *file, uint64_t **ids, hc_error *error) {
   void *values = NULL;
+  if (file->checkpoint) {
+    const hc_status read = read_halves(file, HC_FIELD_id, &values, error);
+    *ids = values;
+    return read;
+  }
   const hc_status status = read_column(file, "VTKHDF/PointData/id", H5T_NATIVE_INT64, sizeof(int64_t),
                                        file->facts.particles, 1, &values, error);
   *ids = values;
   return status;
 }
 
+/* A checkpoint's positions, from the scene's origin. */
+static hc_status read_units(const hc_snapshot_file *file, int64_t **positions, hc_error *error) {
+  void *values = NULL;
+  const hc_status status = read_halves(file, HC_FIELD_position, &values, error);
+  *positions = values;
+  for (size_t k = 0; status == HC_OK && k < 3 * (size_t)file->facts.particles; k++)
+    (*positions)[k] = (int64_t)((uint64_t)(*positions)[k] - (uint64_t)file->facts.origin[k % 3]);
+  return status;
+}
+
 hc_status hc_snapshot_read_points(const hc_snapshot_file *file, double **points, hc_error *error) {
   void *values = NULL;
+  if (file->checkpoint) {
+    int64_t *units = NULL;
+    const hc_status read = read_units(file, &units, error);
+    const size_t count = 3 * (size_t)file->facts.particles;
+    *points = read == HC_OK ? hc_alloc(count, sizeof **points) : NULL;
+    for (size_t k = 0; read == HC_OK && k < count; k++)
+      (*points)[k] = (double)units[k] * file->facts.unit[k % 3];
+    hc_free(units);
+    return read;
+  }
   const hc_status status = read_column(file, "VTKHDF/Points", H5T_NATIVE_DOUBLE, sizeof(double),
                                        file->facts.particles, 3, &values, error);
   *points = values;
@@ -282,6 +375,7 @@ hc_status hc_snapshot_read_points(const hc_snapshot_file *file, double **points,
 }
 
 hc_status hc_snapshot_read_positions(const hc_snapshot_file *file, int64_t **positions, hc_error *error) {
+  if (file->checkpoint) return read_units(file, positions, error);
   *positions = NULL;
   double *points = NULL;
   const hc_status status = hc_snapshot_read_points(file, &points, error);
@@ -304,6 +398,11 @@ hc_status hc_snapshot_read_positions(const hc_snapshot_file *file, int64_t **pos
 
 hc_status hc_snapshot_read_field(const hc_snapshot_file *file, const hc_snapshot_field *field, void **values,
                                  hc_error *error) {
+  if (file->checkpoint) {
+    int id = 0;
+    while (id < HC_FIELD_COUNT - 1 && strcmp(hc_fields[id].name, field->name) != 0) id++;
+    return read_halves(file, (hc_field_id)id, values, error);
+  }
   char name[HC_SNAPSHOT_READ_NAME + 32];
   snprintf(name, sizeof name, "VTKHDF/PointData/%s", field->name);
   return read_column(file, name, memory_type(field->type), type_bytes(field->type), file->facts.particles,
@@ -334,6 +433,7 @@ hc_status hc_snapshot_read_pieces(const hc_snapshot_file *file, int64_t **counts
   const int64_t pieces = file->facts.pieces;
   void *fluid = NULL, *all = NULL;
   *counts = NULL;
+  if (file->checkpoint) return HC_OK; /* its rows are not cut into pieces */
   hc_status status =
       read_column(file, "Halocline/fluid_per_piece", H5T_NATIVE_INT64, 8, pieces, 1, &fluid, error);
   if (status == HC_OK)

@@ -9,6 +9,7 @@
 #include "halocline/error.h"
 #include "scene/scene.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -21,7 +22,7 @@ typedef enum hc_snapshot_type {
   HC_SNAPSHOT_F64
 } hc_snapshot_type;
 
-/* A column of PointData, except `id`. */
+/* A column of values, except `id` (and a checkpoint's `position`). */
 typedef struct hc_snapshot_field {
   char name[HC_SNAPSHOT_READ_NAME], unit[HC_SNAPSHOT_READ_NAME];
   hc_snapshot_type type;
@@ -44,14 +45,15 @@ typedef struct hc_snapshot_facts {
 
 typedef struct hc_snapshot_file {
   char path[4096];
-  int64_t handle; /* HDF5's */
+  int64_t handle;  /* HDF5's */
+  bool checkpoint; /* not a snapshot: state fields by kind, fluid first */
   hc_snapshot_facts facts;
   hc_snapshot_field fields[HC_SNAPSHOT_READ_FIELDS]; /* sorted by name */
   int field_count;
 } hc_snapshot_file;
 
-/* Opens a snapshot and checks that its parts fit together. Closed with hc_snapshot_read_close; after a
- * failure there is nothing to close. */
+/* Opens a snapshot or a checkpoint and checks that its parts fit together. Closed with
+ * hc_snapshot_read_close; after a failure there is nothing to close. */
 hc_status hc_snapshot_read_open(const char *path, hc_snapshot_file *file, hc_error *error);
 void hc_snapshot_read_close(hc_snapshot_file *file);
 

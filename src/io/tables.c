@@ -139,6 +139,16 @@ hc_status hc_tables_add_gauges(hc_tables *tables, double time, const double *val
   return flush(&tables->gauges, error);
 }
 
+hc_status hc_tables_sync(hc_tables *tables, hc_error *error) {
+  hc_table *const all[] = {&tables->steps, &tables->load, &tables->gauges};
+  for (int k = 0; k < 3; k++) {
+    if (!all[k]->stream) continue;
+    errno = 0;
+    if (fsync(fileno(all[k]->stream)) != 0 && errno != EINVAL && errno != EROFS) return failed(all[k], error);
+  }
+  return HC_OK;
+}
+
 static hc_status close_table(hc_table *table, hc_error *error) {
   if (!table->stream) return HC_OK;
   const bool broken = ferror(table->stream) != 0;

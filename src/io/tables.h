@@ -55,6 +55,9 @@ hc_status hc_tables_add_load(hc_tables *tables, const hc_load_row *row, hc_error
 hc_status hc_tables_add_gauges(hc_tables *tables, double time, const double *values, int count,
                                hc_error *error);
 
+/* Brings all rows to disk. */
+hc_status hc_tables_sync(hc_tables *tables, hc_error *error);
+
 /* Closes them, also after an error. */
 hc_status hc_tables_close(hc_tables *tables, hc_error *error);
 

@@ -55,6 +55,7 @@ typedef struct hc_param {
   unsigned only;       /* bit k: the table's variant k has this key; 0: all have it */
   unsigned needed;     /* bit k: the table's variant k must be given it */
   bool shorter;        /* the last component may be left away */
+  bool may_change;     /* a run may go on from a checkpoint under another value */
   bool hidden;         /* a test hook: accepted, but not in `halocline keys` */
 } hc_param;
 

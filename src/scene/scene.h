@@ -183,6 +183,9 @@ typedef struct hc_scene {
     double snapshots_every; /* s */
     char snapshot_fields[HC_MAX_SNAPSHOT_FIELDS][32];
     int snapshot_field_count;
+    double checkpoints_every_wall; /* s; 0: only at the end or when stopped */
+    int checkpoints_every_steps;   /* 0: by the clock only */
+    int checkpoints_keep;
     double gauges_every; /* s */
     hc_scene_gauge *gauges;
     int gauge_count;

@@ -1,5 +1,6 @@
 #include "writer.h"
 
+#include "base/check.h"
 #include "base/memory.h"
 #include "params.h"
 
@@ -46,8 +47,8 @@ static void write_names(FILE *out, const char *names, int count) {
   fputc(']', out);
 }
 
-/* A value on its line; not for lists of maps. */
-static void write_value(FILE *out, const hc_param *param, const void *owner) {
+/* For a value on its line; not for lists of maps. */
+void hc_scene_write_value(FILE *out, const hc_param *param, const void *owner) {
   const void *member = (const char *)owner + param->offset;
   const int length = hc_params_length(param);
   if (length > 1) fputc('[', out);
@@ -87,7 +88,7 @@ static void write_value(FILE *out, const hc_param *param, const void *owner) {
 
 /* Keys that the scene's modes make use of. Zero stands for "not given" where it is outside the range and
  * there is no default; hidden keys are written only if they are given. */
-static bool is_written(const hc_param_table *table, const hc_param *param, const void *owner) {
+bool hc_scene_writes(const hc_param_table *table, const hc_param *param, const void *owner) {
   const void *member = (const char *)owner + param->offset;
   if (!hc_params_used(table, param, owner)) return false;
   if (param->hidden) return *(const int *)member != 0;
@@ -122,12 +123,12 @@ static void write_table(FILE *out, const hc_param_table *table, const void *owne
   const char *before = "";
   for (int k = 0; k < table->count; k++) {
     const hc_param *param = &table->params[k];
-    if (!hc_params_applies(param, variant) || !is_written(table, param, owner)) continue;
+    if (!hc_params_applies(param, variant) || !hc_scene_writes(table, param, owner)) continue;
     const int inner = write_maps(out, param->path, before, indent, &dash);
     before = param->path;
     if (param->kind != HC_PARAM_LIST) {
       fputc(' ', out);
-      write_value(out, param, owner);
+      hc_scene_write_value(out, param, owner);
       fputc('\n', out);
       continue;
     }
@@ -139,6 +140,21 @@ static void write_table(FILE *out, const hc_param_table *table, const void *owne
   }
 }
 
+static void write_scene(FILE *out, const hc_scene *scene) {
+  fputs("# The scene as understood, every default filled in.\n", out);
+  write_table(out, &hc_params_scene, scene, 0, false);
+}
+
+char *hc_scene_text(const hc_scene *scene) {
+  char *text = NULL;
+  size_t length = 0;
+  FILE *stream = open_memstream(&text, &length);
+  HC_CHECK(stream, "no memory for the scene's text");
+  write_scene(stream, scene);
+  HC_CHECK(fclose(stream) == 0, "no memory for the scene's text");
+  return text;
+}
+
 hc_status hc_scene_write(const hc_scene *scene, const char *path, hc_error *error) {
   static const char ending[] = ".tmp";
   char *temporary = hc_alloc(strlen(path) + sizeof ending, 1);
@@ -148,8 +164,7 @@ hc_status hc_scene_write(const hc_scene *scene, const char *path, hc_error *erro
   if (!file) {
     status = hc_error_set(error, HC_IO_FAILED, "%s: cannot be written: %s", temporary, strerror(errno));
   } else {
-    fputs("# The scene as understood, every default filled in.\n", file);
-    write_table(file, &hc_params_scene, scene, 0, false);
+    write_scene(file, scene);
     /* A full disk may show at any of these. */
     bool good = fflush(file) == 0 && !ferror(file) && fsync(fileno(file)) == 0;
     int failure = errno;

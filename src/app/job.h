@@ -1,0 +1,102 @@
+/* A simulation with its files, while it runs: what the parts of `halocline run` share. run.c steps,
+ * job_files.c opens, writes and closes, job_restart.c saves and goes on. */
+#ifndef HC_JOB_H
+#define HC_JOB_H
+
+#include "base/warnings.h"
+#include "explain.h"
+#include "gauges/gauges.h"
+#include "io/log.h"
+#include "io/progress.h"
+#include "io/tables.h"
+#include "options.h"
+#include "simulation.h"
+
+/* What the ranks know of a step only together. */
+typedef struct hc_job_load {
+  double imbalance;
+  int64_t ghosts_max, bytes_max, fluid;
+  int signal;           /* that a rank has received, 0: none */
+  bool out_of_time;     /* --walltime: rank 0's clock says stop */
+  bool checkpoint_time; /* rank 0's clock says it is time for a checkpoint */
+} hc_job_load;
+
+/* Counts over the whole run, restarts included: state, though no step reads them. */
+typedef struct hc_job_counts {
+  int64_t snapshots; /* written, those of the last moment of a stopped run not counted */
+  int64_t density_caps, divergence_caps, contacts, rebalances, compressed_steps;
+  double shortest_step, longest_step; /* s */
+  double gauge_time;                  /* s, of the last regular row of gauges.csv; -1: none */
+} hc_job_counts;
+
+/* Log, tables and progress write on rank 0 only; zeroed, they do nothing. */
+typedef struct hc_job {
+  hc_comm *comm;
+  const hc_options *options;
+  const hc_scene *scene;
+  hc_warnings *warnings; /* of the scene, and of the checkpoints that were passed over */
+  hc_simulation simulation;
+  char directory[HC_TEXT_PATH];
+  char checkpoint[HC_TEXT_PATH]; /* that the run goes on from; empty: it starts */
+  char *changed;                 /* keys that differ harmlessly from the checkpoint's scene; may be null */
+  hc_log log;
+  hc_tables tables;
+  hc_progress progress;
+  hc_explained explained;
+  hc_gauges gauges;
+  double *gauge_values;
+  hc_job_counts counts;
+  int64_t first_step;                      /* the step that this session started from */
+  double particle_steps;                   /* fluid particles summed over the steps of this session */
+  double launched;                         /* wall clock, when the program began */
+  double started;                          /* wall clock, when the steps began */
+  double last_checkpoint;                  /* wall clock */
+  double checkpoint_seconds, slowest_step; /* s: the last checkpoint, the slowest step of this session */
+  bool stopped;                            /* by a signal or --walltime: exit code 75 */
+} hc_job;
+
+/* ---- job_files.c ---- */
+
+/* Directory, scene.yaml, log and tables: new, or going on behind what is there. Collective. */
+hc_status hc_job_open_files(hc_job *job, hc_error *error);
+
+/* Closes what was opened; its errors count if the run itself went well. Collective. */
+void hc_job_close_files(hc_job *job, hc_error *error);
+
+/* What the log says at the start. Local. */
+void hc_job_log_start(hc_job *job);
+
+/* A row of steps.csv, a row of load.csv, for rank 0. `event`: words joined by '+'. */
+hc_status hc_job_add_step_row(hc_job *job, const hc_job_load *load, double active_boundary, const char *event,
+                              hc_error *error);
+hc_status hc_job_add_load_row(hc_job *job, const hc_job_load *load, double wall_seconds, const char *event,
+                              hc_error *error);
+
+/* Timings by stage into timings.json and the log. Collective. */
+hc_status hc_job_summarize(hc_job *job, hc_error *error);
+
+/* A density further off the rest density than this share is worth a warning: single particles of a healthy
+ * run stay within it. */
+#define HC_JOB_MOST_COMPRESSION 0.05
+
+/* ---- job_restart.c ---- */
+
+/* Registers what the job adds to the state of its simulation. Local. */
+void hc_job_register(hc_job *job);
+
+/* --restart: finds the newest valid checkpoint, warns of those it passes over, and holds its scene against
+ * the job's. job->checkpoint stays empty if there is none at all. Collective. HC_IO_FAILED: none is valid;
+ * HC_BAD_INPUT: the scene has changed. */
+hc_status hc_job_find_checkpoint(hc_job *job, hc_error *error);
+
+/* Takes the state over from job->checkpoint. Collective; HC_IO_FAILED, agreed. */
+hc_status hc_job_read_checkpoint(hc_job *job, hc_error *error);
+
+/* Writes a checkpoint, with the tables on disk before it. Collective; HC_IO_FAILED, agreed. */
+hc_status hc_job_write_checkpoint(hc_job *job, hc_error *error);
+
+/* Rank 0's clock, see hc_job_load. Local. */
+bool hc_job_checkpoint_time(const hc_job *job);
+bool hc_job_out_of_time(const hc_job *job);
+
+#endif

@@ -1,0 +1,181 @@
+/* The files of a job: log, tables, timings. */
+#include "base/memory.h"
+#include "halocline/version.h"
+#include "io/run_dir.h"
+#include "io/timings.h"
+#include "job.h"
+#include "scene/writer.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* The columns of gauges.csv, each led by a comma; the caller's to free. */
+static char *gauge_names(const hc_scene *scene) {
+  const int columns = hc_gauges_columns(scene);
+  char *names = hc_alloc_zero((size_t)columns * (HC_NAME_LENGTH + 16) + 1, 1), *end = names;
+  for (int column = 0; column < columns; column++) {
+    *end++ = ',';
+    hc_gauges_column_name(scene, column, end, HC_NAME_LENGTH + 15);
+    end += strlen(end);
+  }
+  return names;
+}
+
+hc_status hc_job_open_files(hc_job *job, hc_error *error) {
+  const bool resumed = *job->checkpoint != '\0';
+  const hc_run_dir_mode mode = resumed                                        ? HC_RUN_DIR_RESUME
+                               : job->options->force || job->options->restart ? HC_RUN_DIR_FORCE
+                                                                              : HC_RUN_DIR_NEW;
+  if (hc_run_dir_open(job->comm, job->directory, mode, error) != HC_OK) return error->status;
+  if (job->comm->rank == 0) {
+    char path[HC_TEXT_PATH + 16];
+    snprintf(path, sizeof path, "%s/scene.yaml", job->directory);
+    if (hc_scene_write(job->scene, path, error) == HC_OK &&
+        hc_log_open(&job->log, job->directory, resumed, error) == HC_OK) {
+      char *names = gauge_names(job->scene);
+      hc_tables_open(&job->tables, job->directory, names, resumed ? job->simulation.step : -1,
+                     job->counts.gauge_time, error);
+      hc_free(names);
+    }
+    if (resumed && error->status == HC_OK) hc_run_dir_cut(job->directory, job->counts.snapshots, error);
+  }
+  return hc_comm_agree(job->comm, error);
+}
+
+void hc_job_log_start(hc_job *job) {
+  const hc_simulation *simulation = &job->simulation;
+  const hc_world *world = &simulation->world;
+  char host[256] = "unknown";
+  gethostname(host, sizeof host - 1);
+  hc_log_info(&job->log, "halocline %s on %d rank%s, first host %s", hc_version(), job->comm->size,
+              job->comm->size == 1 ? "" : "s", host);
+  hc_log_info(&job->log, "scene %s from %s", job->scene->name, job->options->files[0]);
+  job->log.echo = NULL; /* said already */
+  for (int k = 0; k < job->warnings->count; k++) hc_log_warn(&job->log, "%s", job->warnings->text[k]);
+  job->log.echo = stderr;
+  hc_log_info(&job->log, "instruction set of the pair loops: %s%s", hc_isa_name(simulation->isa),
+              simulation->isa == HC_ISA_PORTABLE ? " (no fused multiply-add: other bits than avx2 and avx512)"
+                                                 : "");
+  for (int k = 0; k < job->options->override_count; k++)
+    hc_log_info(&job->log, "--set %s", job->options->overrides[k]);
+  if (*job->checkpoint)
+    hc_log_info(&job->log, "goes on from %s: step %lld, t = %g s", job->checkpoint,
+                (long long)simulation->step, simulation->time);
+  if (job->changed && *job->changed) hc_log_info(&job->log, "changed since then: %s", job->changed);
+  static const char *const viscosities[] = {"none", "xsph", "artificial", "laminar"};
+  hc_log_info(&job->log, "solver %s, boundary %s with volume factor %.6g, viscosity %s %g",
+              simulation->solver->name, world->boundary_ops->name, world->volume_factor,
+              viscosities[job->scene->fluid.viscosity.model], job->scene->fluid.viscosity.coefficient);
+  hc_log_info(&job->log, "particles: %lld fluid of %.9g kg each (mass factor %g), %lld boundary",
+              (long long)world->fluid_total, world->mass, job->scene->fluid.mass_factor,
+              (long long)world->boundary_total);
+  hc_log_info(&job->log, "slabs along axis %c, imbalance %.3f", "xyz"[world->domain.axis],
+              simulation -> imbalance);
+}
+
+hc_status hc_job_add_step_row(hc_job *job, const hc_job_load *load, double active_boundary, const char *event,
+                              hc_error *error) {
+  const hc_simulation *simulation = &job->simulation;
+  const hc_step_report *report = &simulation->report;
+  const hc_step_row step = {.step = simulation->step,
+                            .time = simulation->time,
+                            .dt = simulation->dt,
+                            .iterations_density = report->density_iterations,
+                            .iterations_divergence = report->divergence_iterations,
+                            .density_error_avg = report->density_error_avg,
+                            .density_error_max = report->density_error_max,
+                            .v_max = report->v_max,
+                            .a_max = report->a_max,
+                            .kinetic_energy = report->kinetic_energy,
+                            .potential_energy = report->potential_energy,
+                            .fluid_particles = load->fluid,
+                            .active_fraction = 1.0,
+                            .active_boundary_fraction = active_boundary,
+                            .event = event};
+  return hc_tables_add_step(&job->tables, &step, error);
+}
+
+hc_status hc_job_add_load_row(hc_job *job, const hc_job_load *load, double wall_seconds, const char *event,
+                              hc_error *error) {
+  const hc_load_row row = {job->simulation.step, wall_seconds,    load->imbalance,
+                           load->ghosts_max,     load->bytes_max, event};
+  return hc_tables_add_load(&job->tables, &row, error);
+}
+
+static hc_timings_spread spread(hc_comm *comm, double value) {
+  double *all = hc_alloc((size_t)comm->size, sizeof *all);
+  hc_comm_gather_all_f64(comm, &value, 1, all);
+  hc_timings_spread result = {all[0], 0.0, all[0]};
+  for (int rank = 0; rank < comm->size; rank++) {
+    if (all[rank] < result.min) result.min = all[rank];
+    if (all[rank] > result.max) result.max = all[rank];
+    result.mean += all[rank] / comm->size;
+  }
+  hc_free(all);
+  return result;
+}
+
+/* Timings by stage into timings.json and the log. Collective. */
+hc_status hc_job_summarize(hc_job *job, hc_error *error) {
+  hc_simulation *simulation = &job->simulation;
+  hc_world *world = &simulation->world;
+  const double wall = hc_seconds() - job->started;
+  hc_stopwatch_enter(&world->watch, HC_STAGE_OUTPUT);
+  const double waited = job->comm->wait_seconds;
+  int64_t sums[2] = {job->comm->bytes_sent, job->comm->messages_sent};
+  const int64_t reductions = job->comm->reductions;
+  hc_timings_stage stages[HC_STAGE_COUNT + 1];
+  for (int stage = 0; stage < HC_STAGE_COUNT; stage++)
+    stages[stage] =
+        (hc_timings_stage){hc_stage_name((hc_stage)stage), spread(job->comm, world->watch.seconds[stage])};
+  stages[HC_STAGE_COUNT] = (hc_timings_stage){"communication", spread(job->comm, waited)};
+  hc_comm_sum_i64(job->comm, sums, 2);
+  const hc_timings timings = {.ranks = job->comm->size,
+                              .steps = simulation->step - job->first_step,
+                              .fluid_particles = world->fluid_total,
+                              .boundary_particles = world->boundary_total,
+                              .particle_steps = job->particle_steps,
+                              .wall_seconds = wall,
+                              .simulated_seconds = simulation->time,
+                              .halo_bytes = sums[0],
+                              .messages = sums[1],
+                              .reductions = reductions,
+                              .memory_bytes = spread(job->comm, (double)hc_memory_peak()),
+                              .stages = stages,
+                              .stage_count = HC_STAGE_COUNT + 1};
+  for (int k = 0; k <= HC_STAGE_COUNT; k++)
+    hc_log_info(&job->log, "time in %-13s %9.3f s (mean of ranks; %.3f to %.3f)", stages[k].name,
+                stages[k].seconds.mean, stages[k].seconds.min, stages[k].seconds.max);
+  hc_log_info(&job->log, "time steps from %.4g to %.4g s; steps with a density off by more than %g %%: %lld",
+              job->counts.shortest_step, job->counts.longest_step, 100.0 * HC_JOB_MOST_COMPRESSION,
+              (long long)job->counts.compressed_steps);
+  hc_log_info(&job->log, "iteration caps hit: density solver %lld, divergence solver %lld of %lld steps",
+              (long long)job->counts.density_caps, (long long)job->counts.divergence_caps,
+              (long long)simulation->step);
+  hc_log_info(&job->log, "particles held by wall contacts: %.3g a step on average",
+              simulation->step > 0 ? (double)job->counts.contacts / (double)simulation->step : 0.0);
+  hc_log_info(&job->log,
+              "rebalances: %lld; communication %.1f %% of the time; memory at its highest %.1f MiB on a rank",
+              (long long)job->counts.rebalances,
+              wall > 0.0 ? 100.0 * stages[HC_STAGE_COUNT].seconds.mean / wall : 0.0,
+              timings.memory_bytes.max / 1048576.0);
+  if (job->particle_steps > 0.0)
+    hc_log_info(&job->log, "%lld steps in %.3f s: %.4g particles*steps/s, %.1f ns per particle and step",
+                (long long)(simulation->step - job->first_step), wall, job->particle_steps / wall,
+                1e9 * wall / job->particle_steps);
+  if (job->comm->rank == 0) hc_timings_write(&timings, job->directory, error);
+  return hc_comm_agree(job->comm, error);
+}
+
+void hc_job_close_files(hc_job *job, hc_error *error) {
+  hc_error closing = {.status = HC_OK};
+  if (job->comm->rank == 0) {
+    hc_tables_close(&job->tables, &closing);
+    job->log.echo = NULL; /* the program says it at its end */
+    if (error->status != HC_OK) hc_log_warn(&job->log, "the run failed: %s", error->text);
+    hc_log_close(&job->log, closing.status == HC_OK ? &closing : NULL);
+  }
+  hc_comm_agree(job->comm, &closing);
+  if (error->status == HC_OK) *error = closing;
+}

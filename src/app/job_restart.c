@@ -1,0 +1,159 @@
+/* Checkpoints of a job: when, what, and going on from one. */
+#include "base/memory.h"
+#include "io/checkpoint.h"
+#include "io/run_dir.h"
+#include "job.h"
+#include "scene/compare.h"
+#include "scene_input.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Before one has been written, checkpoints are taken to be this slow. */
+static const double SLOW_DISK = 50e6; /* bytes/s */
+
+void hc_job_register(hc_job *job) {
+  hc_state *state = &job->simulation.state;
+  hc_job_counts *counts = &job->counts;
+  hc_gauges_register(&job->gauges, state);
+  hc_state_add(state, HC_TYPE_i64, 1, &counts->snapshots, "snapshots");
+  hc_state_add(state, HC_TYPE_i64, 1, &counts->density_caps, "density_caps");
+  hc_state_add(state, HC_TYPE_i64, 1, &counts->divergence_caps, "divergence_caps");
+  hc_state_add(state, HC_TYPE_i64, 1, &counts->contacts, "contacts");
+  hc_state_add(state, HC_TYPE_i64, 1, &counts->rebalances, "rebalances");
+  hc_state_add(state, HC_TYPE_i64, 1, &counts->compressed_steps, "compressed_steps");
+  hc_state_add(state, HC_TYPE_f64, 1, &counts->shortest_step, "shortest_step");
+  hc_state_add(state, HC_TYPE_f64, 1, &counts->longest_step, "longest_step");
+  hc_state_add(state, HC_TYPE_f64, 1, &counts->gauge_time, "gauge_time");
+}
+
+/* ---- which checkpoint ---- */
+
+/* Warnings are rank 0's, like the scene's. */
+static hc_warnings *warnings_of(const hc_job *job) {
+  return job->comm->rank == 0 ? job->warnings : NULL;
+}
+
+/* From the newest on, the first that is whole. */
+static hc_status choose(hc_job *job, hc_error *error) {
+  if (job->options->restart_file) {
+    if (job->comm->rank == 0) hc_text_path(job->checkpoint, error, "%s", job->options->restart_file);
+    if (hc_comm_agree(job->comm, error) != HC_OK) return error->status;
+    hc_comm_broadcast(job->comm, job->checkpoint, sizeof job->checkpoint, 0);
+    return hc_checkpoint_verify(job->comm, job->checkpoint, error);
+  }
+  int64_t step = INT64_MAX;
+  int passed_over = 0;
+  for (;;) {
+    if (hc_checkpoint_find(job->comm, job->directory, step, job->checkpoint, &step, error) != HC_OK)
+      return error->status;
+    if (step < 0) break;
+    hc_error reason = {.status = HC_OK};
+    if (hc_checkpoint_verify(job->comm, job->checkpoint, &reason) == HC_OK) return HC_OK;
+    hc_warnings_add(warnings_of(job), "checkpoint passed over: %s", reason.text);
+    passed_over++;
+  }
+  job->checkpoint[0] = '\0';
+  if (passed_over > 0)
+    return hc_error_set(
+        error, HC_IO_FAILED,
+        "none of the %d checkpoints in %s/checkpoints is valid (the reasons are above); start over with "
+        "--force",
+        passed_over, job->directory);
+  hc_warnings_add(warnings_of(job), "--restart: there is no checkpoint in %s: the run starts over",
+                  job->directory);
+  return HC_OK;
+}
+
+/* ---- under which scene ---- */
+
+static hc_status compare_scenes(hc_job *job, const char *text, hc_error *error) {
+  const char *names[HC_FIELD_COUNT];
+  hc_scene_limits limits = hc_scene_input_limits(names);
+  limits.check = NULL; /* it has run before */
+  hc_scene before;
+  hc_error problem = {.status = HC_OK};
+  if (hc_scene_read_text(&before, job->checkpoint, text, strlen(text), NULL, 0, &limits, NULL, &problem) !=
+      HC_OK) {
+    char reason[HC_ERROR_TEXT / 2];
+    snprintf(reason, sizeof reason, "%.*s", (int)sizeof reason - 1, problem.text);
+    return hc_error_set(error, HC_IO_FAILED, "%s: its scene cannot be read: %s", job->checkpoint, reason);
+  }
+  hc_scene_changes changes = hc_scene_compare(&before, job->scene);
+  if (*changes.refused)
+    hc_error_set(error, HC_BAD_INPUT,
+                 "the run in %s cannot go on under a scene that has changed: %.2000s; give the old values, "
+                 "or start over "
+                 "with --force",
+                 job->checkpoint, changes.refused);
+  job->changed = strdup(changes.harmless);
+  hc_scene_changes_free(&changes);
+  hc_scene_free(&before);
+  return error->status;
+}
+
+hc_status hc_job_find_checkpoint(hc_job *job, hc_error *error) {
+  if (choose(job, error) != HC_OK || !*job->checkpoint) return error->status;
+  hc_checkpoint_facts facts;
+  if (hc_checkpoint_facts_read(job->comm, job->checkpoint, &facts, error) != HC_OK) return error->status;
+  compare_scenes(job, facts.scene_text, error);
+  const char *now = hc_isa_name(hc_isa_best());
+  if (strcmp(facts.instruction_set, now) != 0 &&
+      (strcmp(facts.instruction_set, hc_isa_name(HC_ISA_PORTABLE)) == 0 || hc_isa_best() == HC_ISA_PORTABLE))
+    hc_warnings_add(warnings_of(job),
+                    "the checkpoint was written by pair loops for %s, this machine has %s: the run goes on, "
+                    "but not to the "
+                    "same bits",
+                    facts.instruction_set, now);
+  hc_free(facts.scene_text);
+  return hc_comm_agree(job->comm, error);
+}
+
+hc_status hc_job_read_checkpoint(hc_job *job, hc_error *error) {
+  hc_simulation *simulation = &job->simulation;
+  if (hc_checkpoint_read(job->comm, job->checkpoint, &simulation->state, error) != HC_OK)
+    return error->status;
+  hc_simulation_adopt(simulation);
+  job->first_step = simulation->step;
+  return HC_OK;
+}
+
+/* ---- writing ---- */
+
+bool hc_job_checkpoint_time(const hc_job *job) {
+  const double every = job->scene->output.checkpoints_every_wall;
+  return every > 0.0 && hc_seconds() - job->last_checkpoint >= every;
+}
+
+/* Time must be left for a checkpoint, a last step and the end, each perhaps twice as slow as the slowest. */
+bool hc_job_out_of_time(const hc_job *job) {
+  if (job->options->walltime <= 0.0) return false;
+  const hc_world *world = &job->simulation.world;
+  double checkpoint = job->checkpoint_seconds;
+  if (checkpoint == 0.0)
+    checkpoint = ((double)world->fluid_total * (double)hc_particles_state_bytes(HC_FLUID) +
+                  (double)world->boundary_total * (double)hc_particles_state_bytes(HC_BOUNDARY)) /
+                 SLOW_DISK;
+  const double needed = 2.0 * (checkpoint + job->slowest_step) + 1.0;
+  return hc_seconds() - job->launched + needed >= job->options->walltime;
+}
+
+hc_status hc_job_write_checkpoint(hc_job *job, hc_error *error) {
+  hc_simulation *simulation = &job->simulation;
+  hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
+  const double begin = hc_seconds();
+  const hc_snapshot moment = hc_simulation_snapshot(simulation);
+  int64_t bytes = 0;
+  hc_tables_sync(&job->tables, error); /* rows of steps that the checkpoint has done must be there with it */
+  if (hc_comm_agree(job->comm, error) != HC_OK) return error->status;
+  if (hc_checkpoint_write(job->comm, &moment, &simulation->state, hc_isa_name(simulation->isa),
+                          job->directory, job->scene->output.checkpoints_keep, &bytes, error) != HC_OK)
+    return error->status;
+  job->last_checkpoint = hc_seconds();
+  job->checkpoint_seconds = job->last_checkpoint - begin;
+  hc_log_info(&job->log, "step %" PRId64 ", t = %g s: checkpoint of %.4g MB in %.3g s (%.3g MB/s)",
+              simulation->step, simulation->time, 1e-6 * (double)bytes, job->checkpoint_seconds,
+              1e-6 * (double)bytes / job->checkpoint_seconds);
+  return HC_OK;
+}

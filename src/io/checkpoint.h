@@ -1,0 +1,48 @@
+/* Checkpoints: one HDF5 file from which a run goes on bit for bit, on any number of ranks.
+ *
+ * Sealed (seal.h) in a user block of 512 bytes, then HDF5: /Halocline with the attributes of a snapshot (see
+ * snapshot.h) and content = "checkpoint", instruction_set, digest (of the particles, state.h), ranks, and the
+ * dataset scene_text, the scene as understood; /state: an attribute for each item of the state; /fluid and
+ * /boundary: a dataset for each state field of fields.def, rows in the order of the ranks that wrote it. */
+#ifndef HC_CHECKPOINT_H
+#define HC_CHECKPOINT_H
+
+#include "snapshot.h"
+#include "state/state.h"
+#include "text.h"
+
+/* Writes DIRECTORY/checkpoints/ckpt_NNNNNNNN.h5 (NNNNNNNN = moment->step); the `keep` newest are kept, and
+ * those of later steps removed, which belong to a run that was taken back. Collective; every rank returns the
+ * same. On failure (HC_IO_FAILED: the disk is full, ...) older checkpoints are as they were. `bytes`: the
+ * size of the file. */
+hc_status hc_checkpoint_write(hc_comm *comm, const hc_snapshot *moment, const hc_state *state,
+                              const char *instruction_set, const char *directory, int keep, int64_t *bytes,
+                              hc_error *error);
+
+/* The checkpoint of DIRECTORY with the highest step below `below` (INT64_MAX: the newest) into `path`, and
+ * its step; -1 if there is none. Temporaries do not count. Collective; HC_IO_FAILED, agreed, if the directory
+ * cannot be read. */
+hc_status hc_checkpoint_find(hc_comm *comm, const char *directory, int64_t below, char path[HC_TEXT_PATH],
+                             int64_t *step, hc_error *error);
+
+/* Is the file at `path` a whole checkpoint of this format? Collective; HC_IO_FAILED, agreed, with the reason
+ * if not. The functions below must only be given files for which it is. */
+hc_status hc_checkpoint_verify(hc_comm *comm, const char *path, hc_error *error);
+
+/* What a restart needs to know before it reads the state. */
+typedef struct hc_checkpoint_facts {
+  char *scene_text; /* zero-terminated; hc_free */
+  char instruction_set[32];
+  int64_t ranks; /* that wrote it */
+} hc_checkpoint_facts;
+
+/* Collective; HC_IO_FAILED, agreed. */
+hc_status hc_checkpoint_facts_read(hc_comm *comm, const char *path, hc_checkpoint_facts *facts,
+                                   hc_error *error);
+
+/* Fills the state's items and gives each rank a share of the particles (whoever's they are: distribute them
+ * afterwards); ghosts are gone. The items registered must be those of the file. Collective; HC_IO_FAILED,
+ * agreed, then the state is undefined. */
+hc_status hc_checkpoint_read(hc_comm *comm, const char *path, hc_state *state, hc_error *error);
+
+#endif

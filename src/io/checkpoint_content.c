@@ -1,0 +1,270 @@
+#include "checkpoint_content.h"
+
+#include "base/memory.h"
+#include "facts.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum {
+  HEADERS = 65536, /* room for all metadata besides the items' numbers */
+  SLICE = 1 << 24, /* rows of one transfer: below the 2 GiB of one MPI call */
+  FLUID = 0,
+  BOUNDARY = 1
+};
+
+static const char *const group_names[] = {"fluid", "boundary"};
+
+static int kind_index(const hc_particles *particles) {
+  return particles->kind == HC_FLUID ? FLUID : BOUNDARY;
+}
+
+void hc_checkpoint_content_count(hc_checkpoint_content *content) {
+  const hc_state *state = content->state;
+  const int64_t own[2] = {state->fluid->own, state->boundary->own};
+  int64_t sums[3] = {own[FLUID], own[BOUNDARY],
+                     (int64_t)hc_state_digest_particles(state, HC_FLUID | HC_BOUNDARY)};
+  for (int kind = FLUID; kind <= BOUNDARY; kind++)
+    content->first[kind] = hc_comm_prefix_i64(content->comm, own[kind]);
+  hc_comm_sum_i64(content->comm, sums, 3);
+  memcpy(content->total, sums, sizeof content->total);
+  content->digest = (uint64_t)sums[2];
+}
+
+int64_t hc_checkpoint_content_bytes(const hc_checkpoint_content *content) {
+  int64_t bytes = HEADERS + (int64_t)strlen(content->scene_text);
+  for (int k = 0; k < content->state->item_count; k++) bytes += 512 + 8 * content->state->items[k].count;
+  return bytes + content->total[FLUID] * (int64_t)hc_particles_state_bytes(HC_FLUID) +
+         content->total[BOUNDARY] * (int64_t)hc_particles_state_bytes(HC_BOUNDARY);
+}
+
+/* ---- writing ---- */
+
+typedef struct transfer {
+  hc_comm *comm;
+  const int64_t *total, *first;
+  hid_t group[2]; /* by kind, or the state's attributes in the first */
+  hc_error *problem;
+} transfer;
+
+static void put_item(void *context, const hc_state_item *item) {
+  const transfer *out = context;
+  if (item->type == HC_TYPE_f64)
+    hc_h5_put_f64(out->group[0], item->name, item->count, item->data, out->problem);
+  else
+    hc_h5_put_i64(out->group[0], item->name, item->count, item->data, out->problem);
+}
+
+/* Moves this rank's rows of a column, [first, first + count), in slices. */
+static void move_rows(hid_t dataset, const hc_field_info *info, int64_t first, int64_t count, char *rows,
+                      bool write, hc_error *problem) {
+  const hid_t type = hc_h5_memory_type(info->type);
+  for (int64_t done = 0; done < count && problem->status == HC_OK; done += SLICE) {
+    const int64_t some = count - done < SLICE ? count - done : SLICE;
+    const hsize_t start[2] = {(hsize_t)(first + done), 0};
+    const hsize_t extent[2] = {(hsize_t)some, (hsize_t)info->components};
+    const hid_t file = H5Dget_space(dataset);
+    const hid_t memory = H5Screate_simple(info->components > 1 ? 2 : 1, extent, NULL);
+    char *at = rows + (size_t)done * info->bytes;
+    const bool good = file >= 0 && memory >= 0 &&
+                      H5Sselect_hyperslab(file, H5S_SELECT_SET, start, NULL, extent, NULL) >= 0 &&
+                      (write ? H5Dwrite(dataset, type, memory, file, H5P_DEFAULT, at)
+                             : H5Dread(dataset, type, memory, file, H5P_DEFAULT, at)) >= 0;
+    if (!good)
+      hc_h5_failed(problem, HC_IO_FAILED, "cannot %s %lld rows of %s", write ? "write" : "read",
+                   (long long)some, info->name);
+    if (memory >= 0) H5Sclose(memory);
+    if (file >= 0) H5Sclose(file);
+  }
+}
+
+static hid_t create_column(hid_t group, const hc_field_info *info, int64_t rows, hc_error *problem) {
+  const hsize_t extent[2] = {(hsize_t)rows, (hsize_t)info->components};
+  const hid_t space = H5Screate_simple(info->components > 1 ? 2 : 1, extent, NULL);
+  const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+  hid_t dataset = H5I_INVALID_HID;
+  /* Every row is written: no fill values. No time stamps: the bytes follow from the state. */
+  if (space >= 0 && properties >= 0 && H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER) >= 0 &&
+      H5Pset_obj_track_times(properties, false) >= 0)
+    dataset = H5Dcreate2(group, info->name, hc_h5_file_type(info->type), space, H5P_DEFAULT, properties,
+                         H5P_DEFAULT);
+  if (dataset < 0) hc_h5_failed(problem, HC_IO_FAILED, "cannot create dataset %s", info->name);
+  if (properties >= 0) H5Pclose(properties);
+  if (space >= 0) H5Sclose(space);
+  return dataset;
+}
+
+static void put_field(void *context, hc_particles *particles, hc_field_id field) {
+  const transfer *out = context;
+  const int kind = kind_index(particles);
+  const hc_field_info *info = &hc_fields[field];
+  const hid_t dataset = create_column(out->group[kind], info, out->total[kind], out->problem);
+  if (dataset < 0) return;
+  move_rows(dataset, info, out->first[kind], particles->own, particles->data[field], true, out->problem);
+  if (H5Dclose(dataset) < 0) hc_h5_failed(out->problem, HC_IO_FAILED, "cannot close dataset %s", info->name);
+}
+
+static void put_scene(const hc_checkpoint_content *content, hid_t group, hc_error *problem) {
+  const hsize_t length = strlen(content->scene_text);
+  const hid_t space = H5Screate_simple(1, &length, NULL);
+  const hid_t dataset =
+      H5Dcreate2(group, "scene_text", H5T_STD_U8LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  if (dataset < 0 || (content->comm->rank == 0 && H5Dwrite(dataset, H5T_NATIVE_UINT8, H5S_ALL, H5S_ALL,
+                                                           H5P_DEFAULT, content->scene_text) < 0))
+    hc_h5_failed(problem, HC_IO_FAILED, "cannot write the scene");
+  if (dataset >= 0) H5Dclose(dataset);
+  if (space >= 0) H5Sclose(space);
+}
+
+static void put_own(const hc_checkpoint_content *content, hid_t file, hc_error *problem) {
+  const hid_t own = hc_h5_create_group(file, "Halocline", problem);
+  const int64_t ranks = content->comm->size, digest = (int64_t)content->digest;
+  int fields[HC_FIELD_COUNT], count = 0;
+  hc_facts_put(own, content->moment, content->total[FLUID], content->total[BOUNDARY], problem);
+  for (int field = 0; field < HC_FIELD_COUNT; field++)
+    if (hc_fields[field].flags & HC_STATE) fields[count++] = field;
+  hc_facts_put_fields(own, fields, count, problem);
+  hc_h5_put_text(own, "content", "checkpoint", problem);
+  hc_h5_put_text(own, "instruction_set", content->instruction_set, problem);
+  hc_h5_put_i64(own, "ranks", 1, &ranks, problem);
+  hc_h5_put_i64(own, "digest", 1, &digest, problem);
+  put_scene(content, own, problem);
+  hc_h5_close_group(own, problem);
+}
+
+void hc_checkpoint_content_write(const hc_checkpoint_content *content, hid_t file, hc_error *problem) {
+  put_own(content, file, problem);
+  transfer out = {content->comm, content->total, content->first, {H5I_INVALID_HID, H5I_INVALID_HID}, problem};
+  out.group[0] = hc_h5_create_group(file, "state", problem);
+  hc_state_visit(content->state, 0, &(hc_state_visitor){.context = &out, .item = put_item});
+  hc_h5_close_group(out.group[0], problem);
+  for (int kind = FLUID; kind <= BOUNDARY; kind++)
+    out.group[kind] = hc_h5_create_group(file, group_names[kind], problem);
+  if (hc_comm_agree(content->comm, problem) == HC_OK)
+    hc_state_visit(content->state, HC_FLUID | HC_BOUNDARY,
+                   &(hc_state_visitor){.context = &out, .field = put_field});
+  for (int kind = FLUID; kind <= BOUNDARY; kind++) hc_h5_close_group(out.group[kind], problem);
+}
+
+/* ---- reading ---- */
+
+static hid_t open_shared(hc_comm *comm, const char *path, hc_error *problem) {
+  hid_t file = H5I_INVALID_HID;
+  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  hc_h5_silence();
+  if (access >= 0 && H5Pset_fapl_mpio(access, comm->mpi, MPI_INFO_NULL) >= 0)
+    file = H5Fopen(path, H5F_ACC_RDONLY, access);
+  if (file < 0) hc_h5_failed(problem, HC_IO_FAILED, "%s: cannot be opened", path);
+  if (access >= 0) H5Pclose(access);
+  return file;
+}
+
+/* An error inside the file, from now on with its name. */
+static hc_status name_file(hc_comm *comm, const char *path, const hc_error *problem, hc_error *error) {
+  if (problem->status != HC_OK) {
+    char reason[HC_ERROR_TEXT / 2];
+    snprintf(reason, sizeof reason, "%.*s", (int)sizeof reason - 1, problem->text);
+    hc_error_set(error, HC_IO_FAILED, "%s: %s", path, reason);
+  }
+  return hc_comm_agree(comm, error);
+}
+
+static void get_scene(hid_t group, char **text, hc_error *problem) {
+  const hid_t dataset = H5Dopen2(group, "scene_text", H5P_DEFAULT);
+  const hid_t space = dataset < 0 ? H5I_INVALID_HID : H5Dget_space(dataset);
+  const hssize_t length = space < 0 ? -1 : H5Sget_simple_extent_npoints(space);
+  *text = hc_alloc_zero(length > 0 ? (size_t)length + 1 : 1, 1);
+  if (length < 0 || H5Dread(dataset, H5T_NATIVE_UINT8, H5S_ALL, H5S_ALL, H5P_DEFAULT, *text) < 0)
+    hc_h5_failed(problem, HC_IO_FAILED, "cannot read the scene");
+  if (space >= 0) H5Sclose(space);
+  if (dataset >= 0) H5Dclose(dataset);
+}
+
+hc_status hc_checkpoint_facts_read(hc_comm *comm, const char *path, hc_checkpoint_facts *facts,
+                                   hc_error *error) {
+  hc_error problem = {.status = HC_OK};
+  memset(facts, 0, sizeof *facts);
+  const hid_t file = open_shared(comm, path, &problem);
+  const hid_t own = file < 0 ? H5I_INVALID_HID : H5Gopen2(file, "Halocline", H5P_DEFAULT);
+  if (own < 0) {
+    hc_h5_failed(&problem, HC_IO_FAILED, "it has no group /Halocline");
+  } else {
+    hc_h5_get_text(own, "instruction_set", facts->instruction_set, sizeof facts->instruction_set, &problem);
+    hc_h5_get(own, "ranks", H5T_NATIVE_INT64, 1, &facts->ranks, &problem);
+    get_scene(own, &facts->scene_text, &problem);
+    H5Gclose(own);
+  }
+  if (file >= 0) H5Fclose(file);
+  if (name_file(comm, path, &problem, error) == HC_OK) return HC_OK;
+  hc_free(facts->scene_text);
+  facts->scene_text = NULL;
+  return error->status;
+}
+
+static void get_item(void *context, const hc_state_item *item) {
+  const transfer *in = context;
+  hc_h5_get(in->group[0], item->name, hc_h5_memory_type(item->type), item->count, item->data, in->problem);
+}
+
+static void get_field(void *context, hc_particles *particles, hc_field_id field) {
+  const transfer *in = context;
+  const int kind = kind_index(particles);
+  const hc_field_info *info = &hc_fields[field];
+  const hid_t dataset = H5Dopen2(in->group[kind], info->name, H5P_DEFAULT);
+  if (dataset < 0) {
+    hc_h5_failed(in->problem, HC_IO_FAILED, "dataset %s is missing", info->name);
+    return;
+  }
+  move_rows(dataset, info, in->first[kind], particles->own, particles->data[field], false, in->problem);
+  H5Dclose(dataset);
+}
+
+/* Equal shares of the rows, for every rank. */
+static hc_status share_rows(hc_comm *comm, const int64_t total[2], hc_state *state, int64_t first[2],
+                            hc_error *problem) {
+  hc_particles *const stores[2] = {state->fluid, state->boundary};
+  for (int kind = FLUID; kind <= BOUNDARY; kind++) {
+    const int64_t begin = total[kind] * comm->rank / comm->size,
+                  end = total[kind] * (comm->rank + 1) / comm->size;
+    if (end - begin > INT32_MAX / 2)
+      return hc_error_set(problem, HC_IO_FAILED, "%lld particles are too many for %d ranks",
+                          (long long)total[kind], comm->size);
+    first[kind] = begin;
+    hc_particles_resize(stores[kind], (int32_t)(end - begin));
+  }
+  return HC_OK;
+}
+
+static void read_all(hc_comm *comm, hid_t file, hc_state *state, hc_error *problem) {
+  int64_t total[2] = {0, 0}, first[2], digest = 0;
+  transfer in = {comm, total, first, {H5I_INVALID_HID, H5I_INVALID_HID}, problem};
+  const hid_t own = H5Gopen2(file, "Halocline", H5P_DEFAULT);
+  hc_h5_get(own, "fluid_particles", H5T_NATIVE_INT64, 1, &total[FLUID], problem);
+  hc_h5_get(own, "boundary_particles", H5T_NATIVE_INT64, 1, &total[BOUNDARY], problem);
+  hc_h5_get(own, "digest", H5T_NATIVE_INT64, 1, &digest, problem);
+  if (own >= 0) H5Gclose(own);
+  in.group[0] = H5Gopen2(file, "state", H5P_DEFAULT);
+  hc_state_visit(state, 0, &(hc_state_visitor){.context = &in, .item = get_item});
+  if (in.group[0] >= 0) H5Gclose(in.group[0]);
+  if (problem->status == HC_OK && share_rows(comm, total, state, first, problem) == HC_OK) {
+    for (int kind = FLUID; kind <= BOUNDARY; kind++)
+      in.group[kind] = H5Gopen2(file, group_names[kind], H5P_DEFAULT);
+    hc_state_visit(state, HC_FLUID | HC_BOUNDARY, &(hc_state_visitor){.context = &in, .field = get_field});
+    for (int kind = FLUID; kind <= BOUNDARY; kind++)
+      if (in.group[kind] >= 0) H5Gclose(in.group[kind]);
+  }
+  int64_t found =
+      problem->status == HC_OK ? (int64_t)hc_state_digest_particles(state, HC_FLUID | HC_BOUNDARY) : 0;
+  hc_comm_sum_i64(comm, &found, 1);
+  if (hc_comm_agree(comm, problem) == HC_OK && found != digest)
+    hc_error_set(problem, HC_IO_FAILED, "the particles read are not those that were written");
+}
+
+hc_status hc_checkpoint_read(hc_comm *comm, const char *path, hc_state *state, hc_error *error) {
+  hc_error problem = {.status = HC_OK};
+  const hid_t file = open_shared(comm, path, &problem);
+  if (hc_comm_agree(comm, &problem) == HC_OK) read_all(comm, file, state, &problem);
+  if (file >= 0) H5Fclose(file);
+  H5garbage_collect();
+  return name_file(comm, path, &problem, error);
+}

@@ -1,0 +1,84 @@
+#include "copy.h"
+
+#include "base/check.h"
+#include "base/memory.h"
+
+#include <string.h>
+
+void hc_state_copy_free(hc_state_copy *copy) {
+  hc_free(copy->bytes);
+  memset(copy, 0, sizeof *copy);
+}
+
+static void remember(hc_state_copy *copy, const void *data, size_t bytes) {
+  hc_reserve((void **)&copy->bytes, &copy->capacity, copy->used + bytes, copy->used, 1);
+  memcpy(copy->bytes + copy->used, data, bytes);
+  copy->used += bytes;
+}
+
+static void remember_item(void *context, const hc_state_item *item) {
+  remember(context, item->data, 8 * (size_t)item->count);
+}
+
+static void remember_field(void *context, hc_particles *particles, hc_field_id field) {
+  remember(context, particles->data[field], (size_t)particles->own * hc_fields[field].bytes);
+}
+
+void hc_state_remember(hc_state_copy *copy, const hc_state *state, unsigned kinds) {
+  copy->full = true;
+  copy->kinds = kinds;
+  copy->own[0] = state->fluid->own;
+  copy->own[1] = state->boundary->own;
+  copy->used = 0;
+  hc_state_visit(state, kinds, &(hc_state_visitor){copy, remember_item, remember_field});
+}
+
+/* A copy being read. */
+typedef struct reading {
+  const hc_state_copy *copy;
+  size_t used;
+} reading;
+
+static void read_back(reading *reading, void *data, size_t bytes) {
+  HC_CHECK(reading->used + bytes <= reading->copy->used, "the copy has %zu bytes, %zu are asked for",
+           reading->copy->used, reading->used + bytes);
+  memcpy(data, reading->copy->bytes + reading->used, bytes);
+  reading->used += bytes;
+}
+
+static void restore_item(void *context, const hc_state_item *item) {
+  read_back(context, item->data, 8 * (size_t)item->count);
+}
+
+static void restore_field(void *context, hc_particles *particles, hc_field_id field) {
+  read_back(context, particles->data[field], (size_t)particles->own * hc_fields[field].bytes);
+}
+
+void hc_state_restore(const hc_state_copy *copy, hc_state *state) {
+  HC_CHECK(copy->full, "only a state that was remembered can be restored");
+  if (copy->kinds & HC_FLUID) hc_particles_resize(state->fluid, copy->own[0]);
+  if (copy->kinds & HC_BOUNDARY) hc_particles_resize(state->boundary, copy->own[1]);
+  reading reading = {copy, 0};
+  hc_state_visit(state, copy->kinds, &(hc_state_visitor){&reading, restore_item, restore_field});
+  HC_CHECK(reading.used == copy->used, "of a copy of %zu bytes %zu were used: other items are registered",
+           copy->used, reading.used);
+}
+
+void hc_state_history_free(hc_state_history *history) {
+  for (int k = 0; k < HC_STATE_HISTORY; k++) hc_state_copy_free(&history->copies[k]);
+  memset(history, 0, sizeof *history);
+}
+
+void hc_state_history_push(hc_state_history *history, const hc_state *state, unsigned kinds) {
+  history->newest = (history->newest + 1) % HC_STATE_HISTORY;
+  if (history->count < HC_STATE_HISTORY) history->count++;
+  hc_state_remember(&history->copies[history->newest], state, kinds);
+}
+
+bool hc_state_history_return(hc_state_history *history, hc_state *state, int back) {
+  if (back < 0 || back >= history->count) return false;
+  history->newest = (history->newest - back + HC_STATE_HISTORY) % HC_STATE_HISTORY;
+  history->count -= back;
+  hc_state_restore(&history->copies[history->newest], state);
+  return true;
+}
