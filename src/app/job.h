@@ -39,6 +39,7 @@ typedef struct hc_job {
   char directory[HC_TEXT_PATH];
   char checkpoint[HC_TEXT_PATH]; /* that the run goes on from; empty: it starts */
   char *changed;                 /* keys that differ harmlessly from the checkpoint's scene; may be null */
+  int lock;                      /* on the directory, see run_dir.h */
   hc_log log;
   hc_tables tables;
   hc_progress progress;
@@ -54,6 +55,9 @@ typedef struct hc_job {
   double checkpoint_seconds, slowest_step; /* s: the last checkpoint, the slowest step of this session */
   bool stopped;                            /* by a signal or --walltime: exit code 75 */
 } hc_job;
+
+/* Are there no more steps to do, to the end time or --steps? Local. */
+bool hc_job_is_over(const hc_job *job);
 
 /* ---- job_files.c ---- */
 

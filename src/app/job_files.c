@@ -6,6 +6,7 @@
 #include "job.h"
 #include "scene/writer.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -24,10 +25,15 @@ static char *gauge_names(const hc_scene *scene) {
 
 hc_status hc_job_open_files(hc_job *job, hc_error *error) {
   const bool resumed = *job->checkpoint != '\0';
+  const bool cut = resumed && !hc_job_is_over(job); /* else what was written at the end stays */
   const hc_run_dir_mode mode = resumed                                        ? HC_RUN_DIR_RESUME
                                : job->options->force || job->options->restart ? HC_RUN_DIR_FORCE
                                                                               : HC_RUN_DIR_NEW;
+  if (job->lock < 0 && hc_run_dir_lock(job->comm, job->directory, &job->lock, error) != HC_OK)
+    return error->status;
   if (hc_run_dir_open(job->comm, job->directory, mode, error) != HC_OK) return error->status;
+  if (job->lock < 0 && hc_run_dir_lock(job->comm, job->directory, &job->lock, error) != HC_OK) /* it is new */
+    return error->status;
   if (job->comm->rank == 0) {
     char path[HC_TEXT_PATH + 16];
     snprintf(path, sizeof path, "%s/scene.yaml", job->directory);
@@ -35,10 +41,10 @@ hc_status hc_job_open_files(hc_job *job, hc_error *error) {
         hc_log_open(&job->log, job->directory, resumed, error) == HC_OK) {
       char *names = gauge_names(job->scene);
       hc_tables_open(&job->tables, job->directory, names, resumed ? job->simulation.step : -1,
-                     job->counts.gauge_time, error);
+                     cut ? job->counts.gauge_time : INFINITY, error);
       hc_free(names);
     }
-    if (resumed && error->status == HC_OK) hc_run_dir_cut(job->directory, job->counts.snapshots, error);
+    if (cut && error->status == HC_OK) hc_run_dir_cut(job->directory, job->counts.snapshots, error);
   }
   return hc_comm_agree(job->comm, error);
 }
@@ -177,5 +183,6 @@ void hc_job_close_files(hc_job *job, hc_error *error) {
     hc_log_close(&job->log, closing.status == HC_OK ? &closing : NULL);
   }
   hc_comm_agree(job->comm, &closing);
+  if (job->lock >= 0) close(job->lock);
   if (error->status == HC_OK) *error = closing;
 }

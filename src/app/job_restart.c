@@ -94,6 +94,7 @@ static hc_status compare_scenes(hc_job *job, const char *text, hc_error *error) 
 }
 
 hc_status hc_job_find_checkpoint(hc_job *job, hc_error *error) {
+  if (hc_run_dir_lock(job->comm, job->directory, &job->lock, error) != HC_OK) return error->status;
   if (choose(job, error) != HC_OK || !*job->checkpoint) return error->status;
   hc_checkpoint_facts facts;
   if (hc_checkpoint_facts_read(job->comm, job->checkpoint, &facts, error) != HC_OK) return error->status;

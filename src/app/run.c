@@ -4,6 +4,7 @@
 #include "io/snapshot.h"
 #include "job.h"
 #include "scene_input.h"
+#include "state/copy.h"
 #include "stop.h"
 
 #include <math.h>
@@ -62,15 +63,25 @@ static hc_status write_start(hc_job *job, hc_error *error) {
   return hc_comm_agree(job->comm, error);
 }
 
-/* Snapshot and gauges of the last moment, if it was not their turn anyway. They come after the last
- * checkpoint and are no part of the state: a run that goes on takes them back. */
+/* Snapshot and gauges of the last moment, if it was not their turn anyway. They leave no trace in the state,
+ * so that a run that goes on from here takes them back. */
 static hc_status write_end(hc_job *job, bool wrote_snapshot, bool wrote_gauges, hc_error *error) {
   if (!wrote_snapshot && write_snapshot(job, error) != HC_OK) return error->status;
-  if (!wrote_gauges && job->scene->output.gauge_count > 0) read_gauges(job, error);
+  if (wrote_gauges || job->scene->output.gauge_count == 0) return HC_OK;
+  hc_state_copy items = {.full = false};
+  hc_state_remember(&items, &job->simulation.state, 0);
+  read_gauges(job, error);
+  hc_state_restore(&items, &job->simulation.state);
+  hc_state_copy_free(&items);
   return hc_comm_agree(job->comm, error);
 }
 
 /* ---- the steps ---- */
+
+bool hc_job_is_over(const hc_job *job) {
+  return hc_simulation_done(&job->simulation) ||
+         (job->options->steps >= 0 && job->simulation.step >= job->options->steps);
+}
 
 static hc_job_load measure_load(hc_job *job, int64_t bytes_before) {
   const hc_world *world = &job->simulation.world;
@@ -195,22 +206,21 @@ static void say_end(const hc_job *job, const hc_job_load *load) {
 }
 
 /* Steps until the end, or until a signal, --walltime or --steps ask for a stop; at least one step, so that
- * restarts get on. The last state is also in a checkpoint. */
+ * restarts get on. The last state is in a checkpoint too, which comes after all other files of its moment. */
 static hc_status run_steps(hc_job *job, hc_error *error) {
   hc_simulation *simulation = &job->simulation;
   job->started = job->last_checkpoint = hc_seconds();
   done done = {.load = measure_load(job, job->comm->bytes_sent)};
-  bool last =
-      hc_simulation_done(simulation) || (job->options->steps >= 0 && simulation->step >= job->options->steps);
+  bool last = hc_job_is_over(job);
   while (!last) {
     if (step_and_report(job, &done, error) != HC_OK) return error->status;
-    const bool over = hc_simulation_done(simulation) || simulation->step == job->options->steps;
+    const bool over = hc_job_is_over(job);
     job->stopped = !over && (done.load.signal || done.load.out_of_time);
     last = over || job->stopped;
     const bool checkpoint = last || checkpoint_due(job, &done.load);
     const double begin = hc_seconds();
-    if (checkpoint && hc_job_write_checkpoint(job, error) != HC_OK) return error->status;
     if (over && write_end(job, done.snapshot, done.gauges, error) != HC_OK) return error->status;
+    if (checkpoint && hc_job_write_checkpoint(job, error) != HC_OK) return error->status;
     char event[64];
     join_events(simulation, done.snapshot || over, checkpoint, event, sizeof event);
     hc_job_add_load_row(job, &done.load, done.wall_seconds + (hc_seconds() - begin), event, error);
@@ -281,8 +291,12 @@ static bool simulate(hc_comm *comm, const hc_options *options, hc_error *error) 
   hc_command_warn(&warnings, 0);
   hc_job *job = hc_alloc_zero(1, sizeof *job);
   if (error->status == HC_OK) {
-    *job = (hc_job){
-        .comm = comm, .options = options, .scene = &scene, .warnings = &warnings, .launched = launched};
+    *job = (hc_job){.comm = comm,
+                    .options = options,
+                    .scene = &scene,
+                    .warnings = &warnings,
+                    .lock = -1,
+                    .launched = launched};
     job->counts.gauge_time = -1.0;
     const int length = options->output
                            ? snprintf(job->directory, sizeof job->directory, "%s", options->output)

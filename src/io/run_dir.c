@@ -5,10 +5,13 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 static const char *const own_files[] = {"steps.csv",
@@ -103,6 +106,32 @@ static hc_status clear_run(const char *directory, hc_error *error) {
   if (status == HC_OK) status = remove_numbered(directory, "snapshots", "snap_", ".hdf", 0, error);
   if (status == HC_OK) status = remove_numbered(directory, "checkpoints", "ckpt_", ".h5", 0, error);
   return status;
+}
+
+/* Alone in the directory? Only while no rank of another run holds it. */
+static bool lock_alone(int file) {
+  enum { TRIES = 200, PAUSE = 50 };
+  for (int try = 0; try < TRIES; try++) {
+    if (flock(file, LOCK_EX | LOCK_NB) == 0) return true;
+    if (errno != EWOULDBLOCK && errno != EINTR) return true; /* no locks here: nothing to wait for */
+    nanosleep(&(struct timespec){0, PAUSE * 1000000}, NULL);
+  }
+  return false;
+}
+
+hc_status hc_run_dir_lock(hc_comm *comm, const char *directory, int *lock, hc_error *error) {
+  *lock = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (comm->rank == 0 && *lock >= 0 && !lock_alone(*lock))
+    hc_error_set(error, HC_IO_FAILED,
+                 "another run is at work in %s: wait for its end, or name another with -o", directory);
+  if (hc_comm_agree(comm, error) == HC_OK) {
+    if (*lock >= 0) flock(*lock, LOCK_SH); /* every rank; where it cannot be had there is none */
+    hc_comm_barrier(comm);
+    return HC_OK;
+  }
+  if (*lock >= 0) close(*lock);
+  *lock = -1;
+  return error->status;
 }
 
 hc_status hc_run_dir_cut(const char *directory, int64_t snapshots, hc_error *error) {

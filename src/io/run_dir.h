@@ -18,6 +18,11 @@ typedef enum hc_run_dir_mode {
  * HC_IO_FAILED: it cannot be created, read or cleared. */
 hc_status hc_run_dir_open(hc_comm *comm, const char *directory, hc_run_dir_mode mode, hc_error *error);
 
+/* Holds the directory for this run as long as `*lock`, a descriptor, is open: waits for a run that is just
+ * ending there, ranks of it that were left over included. Collective. No directory, or a file system without
+ * locks: HC_OK and *lock = -1. HC_IO_FAILED: another run is at work in it. */
+hc_status hc_run_dir_lock(hc_comm *comm, const char *directory, int *lock, hc_error *error);
+
 /* A run that goes on has `snapshots` snapshots behind it: removes those with this number or a later one, and
  * their entries in run.hdf.series. Local, for rank 0. HC_IO_FAILED if that cannot be done. */
 hc_status hc_run_dir_cut(const char *directory, int64_t snapshots, hc_error *error);

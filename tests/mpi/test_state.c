@@ -1,0 +1,168 @@
+/* The state of a run: copies to go back to, across migration and rebalancing; checkpoints read back. */
+#include "mpi_test.h"
+
+#include "app/simulation.h"
+#include "io/checkpoint.h"
+#include "state/copy.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static hc_block block;
+static hc_wall wall;
+
+/* A column that collapses in a tank, on few iterations. */
+static hc_scene dam(void) {
+  hc_scene scene;
+  memset(&scene, 0, sizeof scene);
+  memset(&block, 0, sizeof block);
+  memset(&wall, 0, sizeof wall);
+  strcpy(scene.name, "dam");
+  scene.particle_spacing = 0.02;
+  scene.support_radius = 0.04;
+  scene.end_time = 10.0;
+  scene.gravity[2] = -9.81;
+  scene.gravity[0] = 5.0;
+  scene.fluid.rest_density = 1000.0;
+  scene.fluid.mass_factor = 1.0;
+  scene.fluid.viscosity.model = HC_VISCOSITY_XSPH;
+  scene.fluid.viscosity.coefficient = 0.02;
+  block.box = (hc_box){{0, 0, 0}, {0.24, 0.12, 0.12}};
+  block.velocity[0] = 1.5;
+  scene.fluid.blocks = &block;
+  scene.fluid.block_count = 1;
+  wall.box = (hc_box){{0, 0, 0}, {0.6, 0.12, 0.3}};
+  wall.inside = HC_INSIDE_FLUID;
+  scene.boundary.walls = &wall;
+  scene.boundary.wall_count = 1;
+  scene.boundary.contact = true;
+  scene.solver.density_error_avg = 1e-4;
+  scene.solver.divergence_error = 1e-3;
+  scene.solver.density_iterations = (hc_iterations){2, 6};
+  scene.solver.divergence_iterations = (hc_iterations){2, 4};
+  scene.solver.warm_start = 0.5;
+  scene.solver.relaxation = 1.0;
+  scene.solver.min_divergence_neighbors = 20;
+  scene.time_step.control = HC_TIME_CFL;
+  scene.time_step.factor = 0.4;
+  scene.time_step.max = 0.004;
+  scene.parallel.rebalance = HC_REBALANCE_SLABS;
+  scene.parallel.rebalance_above = 1.1;
+  return scene;
+}
+
+static void start(hc_simulation *simulation, const hc_scene *scene) {
+  hc_error error = {.status = HC_OK, .text = ""};
+  if (hc_simulation_init(simulation, &comm, scene, &error) != HC_OK) ck_abort_msg("%s", error.text);
+}
+
+static void do_steps(hc_simulation *simulation, int count) {
+  hc_error error = {.status = HC_OK, .text = ""};
+  for (int k = 0; k < count; k++)
+    if (hc_simulation_step(simulation, &error) != HC_OK) ck_abort_msg("%s", error.text);
+}
+
+/* Of all ranks together. */
+static uint64_t digest_of(const hc_simulation *simulation) {
+  int64_t particles = (int64_t)hc_state_digest_particles(&simulation->state, HC_FLUID | HC_BOUNDARY);
+  hc_comm_sum_i64(&comm, &particles, 1);
+  return (uint64_t)particles ^ hc_state_digest_items(&simulation->state);
+}
+
+START_TEST(a_state_comes_back_across_a_rebalance) {
+  hc_scene scene = dam();
+  hc_simulation simulation;
+  start(&simulation, &scene);
+  do_steps(&simulation, 10);
+  hc_state_history history = {.count = 0};
+  uint64_t digests[6];
+  for (int k = 0; k < 6; k++) {
+    digests[k] = digest_of(&simulation);
+    hc_state_history_push(&history, &simulation.state, HC_FLUID);
+    scene.parallel.rebalance_at = (int)simulation.step; /* every time, so that owners change in between */
+    do_steps(&simulation, 1);
+  }
+  const uint64_t later = digest_of(&simulation);
+  for (int k = 1; k < 6; k++) ck_assert_uint_ne(digests[k], digests[k - 1]);
+
+  /* the newest copy is the state before the last step; one more back, two steps ago */
+  ck_assert(hc_state_history_return(&history, &simulation.state, 1));
+  ck_assert_int_eq(simulation.step, 14);
+  EXPECT(digest_of(&simulation) == digests[4]);
+  scene.parallel.rebalance_at = 14;
+  do_steps(&simulation, 1);
+  EXPECT(digest_of(&simulation) == digests[5]);
+  do_steps(&simulation, 1);
+  EXPECT(digest_of(&simulation) == later);
+
+  /* of what was kept, 13 and 14 are left; older ones are gone */
+  ck_assert(!hc_state_history_return(&history, &simulation.state, 2));
+  ck_assert_int_eq(simulation.step, 16);
+  ck_assert(hc_state_history_return(&history, &simulation.state, 1));
+  EXPECT(digest_of(&simulation) == digests[3]);
+  hc_state_history_free(&history);
+  hc_simulation_free(&simulation);
+}
+END_TEST
+
+/* A folder that all ranks know. */
+static void make_folder(char folder[64]) {
+  strcpy(folder, "halocline_state_XXXXXX");
+  if (comm.rank == 0) ck_assert_ptr_nonnull(mkdtemp(folder));
+  hc_comm_broadcast(&comm, folder, 64, 0);
+}
+
+START_TEST(a_checkpoint_is_the_state) {
+  const hc_scene scene = dam();
+  hc_simulation simulation, other;
+  hc_error error = {.status = HC_OK, .text = ""};
+  char folder[64], path[HC_TEXT_PATH];
+  int64_t bytes, step;
+  make_folder(folder);
+  start(&simulation, &scene);
+  do_steps(&simulation, 12);
+  const uint64_t before = digest_of(&simulation);
+  const hc_snapshot moment = hc_simulation_snapshot(&simulation);
+  ck_assert_msg(hc_checkpoint_write(&comm, &moment, &simulation.state, "test", folder, 2, &bytes, &error) ==
+                    HC_OK,
+                "%s", error.text);
+  EXPECT(digest_of(&simulation) == before); /* writing changes nothing */
+  do_steps(&simulation, 5);
+  const uint64_t after = digest_of(&simulation);
+
+  ck_assert(hc_checkpoint_find(&comm, folder, INT64_MAX, path, &step, &error) == HC_OK);
+  ck_assert_int_eq(step, 12);
+  ck_assert(hc_checkpoint_verify(&comm, path, &error) == HC_OK);
+  ck_assert(hc_simulation_prepare(&other, &comm, &scene, &error) == HC_OK);
+  ck_assert_msg(hc_checkpoint_read(&comm, path, &other.state, &error) == HC_OK, "%s", error.text);
+  hc_simulation_adopt(&other);
+  EXPECT(digest_of(&other) == before);
+  do_steps(&other, 5);
+  EXPECT(digest_of(&other) == after);
+
+  /* an item that the file does not know is an error on every rank */
+  double unknown = 0.0;
+  hc_state_add(&other.state, HC_TYPE_f64, 1, &unknown, "unknown");
+  ck_assert(hc_checkpoint_read(&comm, path, &other.state, &error) == HC_IO_FAILED);
+  EXPECT(strstr(error.text, "attribute unknown is missing"));
+  hc_comm_barrier(&comm);
+  if (comm.rank == 0) {
+    char below[HC_TEXT_PATH];
+    snprintf(below, sizeof below, "%s/checkpoints", folder);
+    ck_assert_int_eq(unlink(path), 0);
+    ck_assert_int_eq(rmdir(below), 0);
+    ck_assert_int_eq(rmdir(folder), 0);
+  }
+  hc_simulation_free(&simulation);
+  hc_simulation_free(&other);
+}
+END_TEST
+
+int main(void) {
+  hc_comm_start(&comm, NULL, NULL);
+  TCase *tests = tcase_create("state");
+  tcase_add_test(tests, a_state_comes_back_across_a_rebalance);
+  tcase_add_test(tests, a_checkpoint_is_the_state);
+  return run_mpi_tests("state", tests);
+}
