@@ -5,7 +5,7 @@
  * high [3]} of the particles' positions in m, or null where there are none; periodic [3]: {low, high} in m or
  * null for each axis; first_step: {dt, bound}; steps, steps_exact (else they are the fewest); ranks;
  * memory_per_rank: bytes, {total, program, fluid, boundary, ghosts, writing}; output: {snapshots,
- * snapshot_bytes, total_bytes}. Estimates are those of estimate.h. */
+ * snapshot_bytes, checkpoint_bytes, total_bytes}. Estimates are those of estimate.h. */
 #include "commands.h"
 #include "estimate.h"
 #include "io/text.h"
@@ -85,6 +85,8 @@ static void put_text(const hc_scene *scene, const hc_estimate *estimate) {
   put_memory(estimate);
   printf("output              about %s: at most %" PRId64 " snapshots of %s\n",
          size_of(estimate->output_bytes).text, estimate->snapshots, size_of(estimate->snapshot_bytes).text);
+  printf("checkpoints         %s each, %d kept and one more while it is written\n",
+         size_of(estimate->checkpoint_bytes).text, scene->output.checkpoints_keep);
 }
 
 /* ---- JSON ---- */
@@ -142,8 +144,9 @@ static void put_json(const hc_scene *scene, const hc_estimate *estimate) {
          "\"boundary\":%.0f,\"ghosts\":%.0f,\"writing\":%.0f}",
          estimate->ranks, estimate->memory, estimate->memory_program, estimate->memory_fluid,
          estimate->memory_boundary, estimate->memory_ghosts, estimate->memory_writing);
-  printf(",\"output\":{\"snapshots\":%" PRId64 ",\"snapshot_bytes\":%.0f,\"total_bytes\":%.0f}}\n",
-         estimate->snapshots, estimate->snapshot_bytes, estimate->output_bytes);
+  printf(",\"output\":{\"snapshots\":%" PRId64 ",\"snapshot_bytes\":%.0f,\"checkpoint_bytes\":%.0f,"
+         "\"total_bytes\":%.0f}}\n",
+         estimate->snapshots, estimate->snapshot_bytes, estimate->checkpoint_bytes, estimate->output_bytes);
 }
 
 int hc_command_check(const hc_options *options) {

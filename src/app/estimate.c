@@ -22,7 +22,8 @@ enum {
   STEP_ROWS = 200,       /* of a step in steps.csv and load.csv */
   GAUGE_VALUE = 20,      /* in gauges.csv */
   SERIES_ENTRY = 60,     /* of a snapshot in run.hdf.series */
-  OTHER_FILES = 8192     /* scene.yaml, run.log, timings.json */
+  CHECKPOINT_HEADERS = 16384,
+  OTHER_FILES = 8192 /* scene.yaml, run.log, timings.json */
 };
 
 enum { AT_A_TIME = 1 << 18 }; /* particles made in one go */
@@ -197,10 +198,16 @@ static hc_status estimate_output(const hc_scene *scene, hc_estimate *estimate, h
   if (scene->time_step.control == HC_TIME_CONSTANT && estimate->snapshots > estimate->steps + 1)
     estimate->snapshots = estimate->steps + 1;
   estimate->snapshot_bytes = (double)bytes;
+  estimate->checkpoint_bytes =
+      (double)estimate->fluid.count * (double)hc_particles_state_bytes(HC_FLUID) +
+      (double)estimate->boundary.count * (double)hc_particles_state_bytes(HC_BOUNDARY) + CHECKPOINT_HEADERS;
+  const int every_steps = scene->output.checkpoints_every_steps;
+  const bool many = every_steps > 0 && estimate->steps > every_steps;
   double readings = (double)estimate->steps;
   if (scene->output.gauges_every > 0.0)
     readings = fmin(readings, scene->end_time / scene->output.gauges_every);
   estimate->output_bytes = (double)estimate->snapshots * ((double)bytes + SERIES_ENTRY) +
+                           (many ? scene->output.checkpoints_keep : 1) * estimate->checkpoint_bytes +
                            (double)estimate->steps * STEP_ROWS +
                            readings * GAUGE_VALUE * (1 + hc_gauges_columns(scene)) + OTHER_FILES;
   return HC_OK;

@@ -38,7 +38,10 @@ typedef struct hc_estimate {
   int64_t ranks;
   double memory, memory_program, memory_fluid, memory_boundary, memory_ghosts, memory_writing; /* bytes */
   int64_t snapshots;                                                                           /* at most */
-  double snapshot_bytes, output_bytes;
+  double snapshot_bytes;
+  double checkpoint_bytes; /* of one */
+  double
+      output_bytes; /* in all at the end, with one checkpoint, or as many as are kept if they come by steps */
 } hc_estimate;
 
 /* Bytes that a rank needs at least: the program, and its share of the particles of a plan. Local. */

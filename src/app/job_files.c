@@ -159,6 +159,10 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
   hc_log_info(&job->log, "iteration caps hit: density solver %lld, divergence solver %lld of %lld steps",
               (long long)job->counts.density_caps, (long long)job->counts.divergence_caps,
               (long long)simulation->step);
+  int64_t digest = (int64_t)hc_state_digest_particles(&simulation->state, HC_FLUID | HC_BOUNDARY);
+  hc_comm_sum_i64(job->comm, &digest, 1);
+  hc_log_info(&job->log, "digest of the last state, the same on any number of ranks: %016llx",
+              (unsigned long long)((uint64_t)digest + hc_state_digest_items(&simulation->state)));
   hc_log_info(&job->log, "particles held by wall contacts: %.3g a step on average",
               simulation->step > 0 ? (double)job->counts.contacts / (double)simulation->step : 0.0);
   hc_log_info(&job->log,

@@ -1,9 +1,9 @@
 /* Checkpoints: one HDF5 file from which a run goes on bit for bit, on any number of ranks.
  *
  * Sealed (seal.h) in a user block of 512 bytes, then HDF5: /Halocline with the attributes of a snapshot (see
- * snapshot.h) and content = "checkpoint", instruction_set, digest (of the particles, state.h), ranks, and the
- * dataset scene_text, the scene as understood; /state: an attribute for each item of the state; /fluid and
- * /boundary: a dataset for each state field of fields.def, rows in the order of the ranks that wrote it. */
+ * snapshot.h) and content = "checkpoint", instruction_set, ranks, and the dataset scene_text, the scene as
+ * understood; /state: an attribute for each item of the state; /fluid and /boundary: a dataset for each state
+ * field of fields.def, rows in the order of the ranks that wrote it. */
 #ifndef HC_CHECKPOINT_H
 #define HC_CHECKPOINT_H
 

@@ -11,10 +11,9 @@ typedef struct hc_checkpoint_content {
   const hc_state *state;
   const char *instruction_set, *scene_text;
   int64_t total[2], first[2]; /* fluid, boundary: rows of all ranks, this rank's first */
-  uint64_t digest;            /* of all ranks' particles */
 } hc_checkpoint_content;
 
-/* Fills total, first and digest. Collective. */
+/* Fills total and first. Collective. */
 void hc_checkpoint_content_count(hc_checkpoint_content *content);
 
 /* Bytes that the file can have at most, headers included. Local. */

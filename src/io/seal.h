@@ -13,8 +13,8 @@
 
 enum { HC_SEAL_BYTES = 512, HC_CHECKPOINT_FORMAT = 1 };
 
-/* Reads the file at `path` (the same on every rank), forces its bytes to disk from this rank's machine, and
- * makes its seal. Collective; HC_IO_FAILED, agreed, if it cannot be read. */
+/* Reads the file at `path` (the same on every rank), whose way to disk is begun meanwhile, and makes its
+ * seal. Collective; HC_IO_FAILED, agreed, if it cannot be read. */
 hc_status hc_seal_make(hc_comm *comm, const char *path, char seal[HC_SEAL_BYTES], hc_error *error);
 
 /* Does the file begin like a sealed one? Local. */

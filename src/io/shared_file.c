@@ -93,8 +93,6 @@ static void make_closable(hc_shared_file *file) {
 
 hc_status hc_shared_file_close(hc_shared_file *file) {
   if (file->handle < 0) return file->problem->status;
-  if (hc_comm_agree(file->comm, file->problem) == HC_OK && H5Fflush(file->handle, H5F_SCOPE_GLOBAL) < 0)
-    hc_h5_failed(file->problem, HC_IO_FAILED, "cannot write %s", file->final);
   if (hc_comm_agree(file->comm, file->problem) != HC_OK) make_closable(file);
   if (H5Fclose(file->handle) < 0)
     hc_h5_failed(file->problem, HC_IO_FAILED, "cannot complete %s", file->final);
@@ -116,6 +114,14 @@ hc_status hc_shared_file_seal(hc_shared_file *file, const void *data, size_t byt
   return hc_comm_agree(file->comm, file->problem);
 }
 
+/* Every rank but the first: what it wrote goes to disk from its own machine. */
+static void sync_share(const hc_shared_file *file) {
+  const int share = open(file->temporary, O_RDONLY | O_CLOEXEC);
+  if (share < 0 || (fsync(share) != 0 && errno != EINVAL && errno != EROFS))
+    hc_error_set(file->problem, HC_IO_FAILED, "cannot sync %s: %s", file->final, strerror(errno));
+  if (share >= 0) close(share);
+}
+
 /* Rank 0: gives back the reserved blocks that were not needed, syncs and renames. */
 static void publish(hc_shared_file *file) {
   struct stat facts;
@@ -127,6 +133,8 @@ static void publish(hc_shared_file *file) {
 }
 
 hc_status hc_shared_file_end(hc_shared_file *file) {
+  if (file->problem->status == HC_OK && file->comm->rank > 0) sync_share(file);
+  hc_comm_agree(file->comm, file->problem);
   if (file->reserved >= 0) {
     if (file->problem->status == HC_OK) publish(file);
     close(file->reserved);

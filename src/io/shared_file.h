@@ -24,14 +24,13 @@ typedef struct hc_shared_file {
 hc_status hc_shared_file_open(hc_shared_file *file, hc_comm *comm, const char *directory, const char *below,
                               const char *name, int64_t bytes, int user_block, hc_error *problem);
 
-/* Closes the HDF5 file, flushed to disk by every rank if `problem` is HC_OK; agreed afterwards. All objects
- * in it must be closed. */
+/* Closes the HDF5 file; `problem` is agreed afterwards. All objects in it must be closed. */
 hc_status hc_shared_file_close(hc_shared_file *file);
 
 /* Rank 0 writes `bytes` at the beginning of the closed file, into its user block; agreed afterwards. */
 hc_status hc_shared_file_seal(hc_shared_file *file, const void *data, size_t bytes);
 
-/* Gives the file its final name, if `problem` is HC_OK; else removes it. Agreed afterwards. */
+/* Syncs the file and gives it its final name, if `problem` is HC_OK; else removes it. Agreed afterwards. */
 hc_status hc_shared_file_end(hc_shared_file *file);
 
 #endif

@@ -46,6 +46,8 @@ def foretell(case, scene, ranks, steps, settings=()):
     rows = c.steps(output)
     c.expect(float(rows[0]["dt"]) == said["first_step"]["dt"],
              f"{name}: first step {said['first_step']['dt']} foretold, {rows[0]['dt']} taken")
+    for file in (output / "checkpoints").glob("ckpt_*.h5"):
+        expect_close(f"{name}: size of {file.name}", said["output"]["checkpoint_bytes"], file.stat().st_size, 0.05)
     for file in files:
         expect_close(f"{name}: size of {file.name}", said["output"]["snapshot_bytes"], file.stat().st_size, 0.03)
     if not steps:
