@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "commands.h"
 #include "explain.h"
+#include "failure.h"
 #include "gauges/gauges.h"
 #include "halocline/version.h"
 #include "io/log.h"
@@ -34,6 +35,7 @@ typedef struct run {
   double *gauge_values;
   int snapshots;      /* written so far */
   int64_t gauge_rows; /* likewise */
+  int departed;       /* particles whose leaving was told one by one */
   int64_t density_caps, divergence_caps, contacts, rebalances, compressed_steps;
   double shortest_step, longest_step; /* s */
   double particle_steps;              /* fluid particles summed over the steps */
@@ -144,6 +146,22 @@ static load measure_load(run *run, int64_t bytes_before) {
 /* Single particles of a healthy run stay within this share of the rest density. */
 static const double MOST_COMPRESSION = 0.05;
 
+/* Particles that were taken out: the first ten of a run one by one, then how many. */
+static void tell_departures(run *run, char *event, size_t size) {
+  const hc_departures *departures = &run->simulation.departures;
+  const long long step = (long long)run->simulation.step;
+  if (departures->count == 0) return;
+  for (int k = 0; k < departures->named && run->departed < HC_LEAVING_NAMED; k++, run->departed++)
+    hc_log_warn(&run->log, "step %lld: particle %lld has left the world at (%.6g, %.6g, %.6g) m; removed",
+                step, (long long)departures->first[k].id, departures->first[k].at[0],
+                departures->first[k].at[1], departures->first[k].at[2]);
+  if (departures->count > departures->named || run->departed >= HC_LEAVING_NAMED)
+    hc_log_warn(&run->log, "step %lld: %lld particles have left the world; removed", step,
+                (long long)departures->count);
+  snprintf(event + strlen(event), size - strlen(event), "%sremoved:%lld", event[0] ? "+" : "",
+           (long long)departures->count);
+}
+
 /* Counts and logs what went wrong in a step; the event words of its row. */
 static void judge_step(run *run, char *event, size_t size) {
   const hc_simulation *simulation = &run->simulation;
@@ -168,6 +186,7 @@ static void judge_step(run *run, char *event, size_t size) {
     hc_log_warn(&run->log, "step %lld: a particle's density is off by %.3g %%, more than %g %%",
                 (long long)simulation->step, 100.0 * report->density_error_max, 100.0 * MOST_COMPRESSION);
   }
+  tell_departures(run, event, size);
   if (run->shortest_step == 0.0 || simulation->dt < run->shortest_step) run->shortest_step = simulation->dt;
   if (simulation->dt > run->longest_step) run->longest_step = simulation->dt;
   run->contacts += report->contacts;
@@ -224,7 +243,8 @@ static hc_status run_steps(run *run, hc_error *error) {
          (run->options->steps < 0 || simulation->step < run->options->steps)) {
     const double start = hc_seconds();
     const int64_t bytes_before = run->comm->bytes_sent;
-    if (hc_simulation_step(simulation, error) != HC_OK) return error->status;
+    if (hc_simulation_step(simulation, error) != HC_OK)
+      return hc_failure_snapshot(simulation, run->directory, error);
     hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
     hc_gauges_step(&run->gauges, &simulation->world.sweep, simulation->dt);
     const double active_boundary = hc_world_active_boundary(&simulation->world);

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "estimate.h"
+#include "failure.h"
 #include "setup/rest_lattice.h"
 #include "setup/world_frame.h"
 
@@ -75,6 +76,7 @@ hc_step_settings hc_step_settings_of(const hc_scene *scene) {
       .control = scene->time_step.control == HC_TIME_CONSTANT ? HC_STEP_CONSTANT : HC_STEP_CFL,
       .size = scene->time_step.size,
       .max = scene->time_step.max,
+      .min = scene->time_step.min,
       .factor = scene->time_step.factor,
       .spacing = scene->particle_spacing,
       .support_radius = scene->support_radius,
@@ -141,9 +143,12 @@ static hc_status settle(hc_simulation *simulation, const hc_setup_plan *plan, hc
   for (int step = 0; step < simulation->scene->fluid.settle_steps; step++) {
     memset(fluid->velocity, 0, 3 * (size_t)fluid->own * sizeof *fluid->velocity);
     hc_world_update(world);
-    if (simulation->solver->step(world, &settings, dt, step > 0 ? dt : 0.0, &simulation->report, error) !=
+    if (simulation->solver->step(world, &settings, dt, step > 0 ? dt : 0.0, &simulation->report, error) ==
         HC_OK)
-      return error->status;
+      continue;
+    const hc_error found = *error;
+    return hc_error_set(error, HC_FAILED, "the simulation diverged while its start settled, step %d: %.4000s",
+                        step + 1, found.text);
   }
   hc_setup_velocities(plan, fluid);
   simulation->dt = dt;
@@ -156,6 +161,7 @@ static hc_status fill_world(hc_simulation *simulation, const hc_frame *frame, hc
   hc_world *world = &simulation->world;
   hc_setup_plan plan = {0};
   if (hc_setup_plan_make(simulation->scene, frame, &plan, error) == HC_OK &&
+      hc_setup_limits(simulation->scene, &plan, &simulation->limits, error) == HC_OK &&
       check_memory(comm, simulation->scene, &plan, error) == HC_OK)
     hc_setup_generate(&plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
   if (hc_comm_agree(comm, error) == HC_OK) {
@@ -255,25 +261,45 @@ static void balance(hc_simulation *simulation) {
     simulation->rebalance_interval *= 2;
 }
 
+/* The step itself: the solver's, between the watches over its length and over the world's limits. */
+static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) {
+  hc_world *world = &simulation->world;
+  hc_fault *fault = &simulation->report.fault;
+  if (hc_time_step_too_small(&simulation->step_settings, simulation->time, dt)) {
+    fill_derived(world);
+    hc_fault_note(fault, HC_FAULT_TIME_STEP, -1.0, INT64_MAX); /* also where no particle is left */
+    hc_fault_watch_fastest(world, HC_FAULT_TIME_STEP, fault);
+    return hc_fault_agree(world->comm, dt, fault, error);
+  }
+  if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
+                               error) != HC_OK)
+    return error->status;
+  if (simulation->scene->domain.leaving == HC_LEAVING_REMOVE) return HC_OK;
+  hc_leaving_watch(world, &simulation->limits, fault);
+  return hc_fault_agree(world->comm, dt, fault, error);
+}
+
 hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
+  const hc_step_report before = simulation->report;
+  simulation->departures.count = 0;
   if (simulation->step > 0) {
+    if (simulation->scene->domain.leaving == HC_LEAVING_REMOVE)
+      hc_leaving_remove(world, &simulation->limits, &simulation->departures);
+    hc_failure_inject(simulation);
     balance(simulation);
     hc_world_update(world);
   }
   const double dt = hc_time_step_next(&simulation->step_settings, simulation->time, simulation->dt,
                                       &simulation->report, &simulation->bound);
-  if (!(simulation->time + dt > simulation->time && isfinite(1.0 / (dt * dt))))
-    return hc_error_set(
-        error, HC_FAILED,
-        "the simulation diverged: a time step of %g s, bounded by: %s, does not get on from %g s", dt,
-        hc_step_bound_name(simulation->bound), simulation->time);
-  if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
-                               error) != HC_OK)
+  if (advance(simulation, dt, error) != HC_OK) {
+    hc_failure_explain(simulation, dt, &before, error);
     return error->status;
+  }
   simulation->dt = dt;
   simulation->step++;
   simulation->time = simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
+  if (simulation->report.density_capped) simulation->capped_at = simulation->step;
   return HC_OK;
 }
 

@@ -19,11 +19,20 @@ typedef struct paths {
   char directory[HC_TEXT_PATH], temporary[HC_TEXT_PATH], final[HC_TEXT_PATH];
 } paths;
 
-static void name_paths(paths *names, const char *directory, int number, hc_error *problem) {
-  if (hc_text_path(names->directory, problem, "%s/snapshots", directory) != HC_OK) return;
-  if (hc_text_path(names->temporary, problem, "%s/.snap_%06d.hdf.tmp", names->directory, number) != HC_OK)
+/* A snapshot of the run's series, or of a fault. */
+typedef struct place {
+  const char *directory, *stem;
+  int number;
+  bool in_series;
+} place;
+
+static void name_paths(paths *names, const place *place, hc_error *problem) {
+  const char *stem = place->stem;
+  if (hc_text_path(names->directory, problem, "%s/snapshots", place->directory) != HC_OK) return;
+  if (hc_text_path(names->temporary, problem, "%s/.%s_%06d.hdf.tmp", names->directory, stem, place->number) !=
+      HC_OK)
     return;
-  hc_text_path(names->final, problem, "%s/snap_%06d.hdf", names->directory, number);
+  hc_text_path(names->final, problem, "%s/%s_%06d.hdf", names->directory, stem, place->number);
 }
 
 /* Every rank: a file larger than its limit would end the process with a signal. */
@@ -106,32 +115,32 @@ static void write_content(hc_snapshot_layout *layout, const paths *names, int re
 }
 
 /* Rank 0: gives back the reserved blocks that were not needed, syncs and renames. */
-static void publish(int file, const paths *names, int number, double time, hc_error *problem) {
+static void publish(int file, const paths *names, const place *place, double time, hc_error *problem) {
   struct stat facts;
   if (fstat(file, &facts) != 0 || ftruncate(file, facts.st_size) != 0 || fsync(file) != 0) {
     hc_error_set(problem, HC_IO_FAILED, "cannot write %s: %s", names->final, strerror(errno));
     return;
   }
   if (hc_atomic_file_rename(names->temporary, names->final, problem) != HC_OK) return;
-  hc_series_add(names->directory, number, time, problem);
+  if (place->in_series) hc_series_add(names->directory, place->number, time, problem);
 }
 
-hc_status hc_snapshot_write(hc_comm *comm, const hc_snapshot *snapshot, const char *directory, int number,
-                            hc_error *error) {
+static hc_status write_snapshot(hc_comm *comm, const hc_snapshot *snapshot, const place *place,
+                                hc_error *error) {
   hc_error problem = {.status = HC_OK};
   hc_snapshot_layout layout;
   paths names;
   int file = -1;
   hc_h5_silence();
   hc_snapshot_layout_init(&layout, comm, snapshot, &problem);
-  name_paths(&names, directory, number, &problem);
+  name_paths(&names, place, &problem);
   if (problem.status == HC_OK) check_size_limit(&names, hc_snapshot_layout_bytes(&layout), &problem);
   if (problem.status == HC_OK && comm->rank == 0) {
     file = create_temporary(&names, &problem);
     if (file >= 0) reserve(file, &names, hc_snapshot_layout_bytes(&layout), &problem);
   }
   if (hc_comm_agree(comm, &problem) == HC_OK) write_content(&layout, &names, file, &problem);
-  if (comm->rank == 0 && problem.status == HC_OK) publish(file, &names, number, snapshot->time, &problem);
+  if (comm->rank == 0 && problem.status == HC_OK) publish(file, &names, place, snapshot->time, &problem);
   if (file >= 0) {
     close(file);
     if (problem.status != HC_OK) unlink(names.temporary);
@@ -142,9 +151,21 @@ hc_status hc_snapshot_write(hc_comm *comm, const hc_snapshot *snapshot, const ch
   if (problem.status != HC_OK) {
     char reason[HC_ERROR_TEXT - 192];
     snprintf(reason, sizeof reason, "%.*s", (int)sizeof reason - 1, problem.text);
-    hc_error_set(error, problem.status, "snapshot %d: %s", number, reason);
+    hc_error_set(error, problem.status, "snapshot %d: %s", place->number, reason);
   }
   return problem.status;
+}
+
+hc_status hc_snapshot_write(hc_comm *comm, const hc_snapshot *snapshot, const char *directory, int number,
+                            hc_error *error) {
+  const place place = {directory, "snap", number, true};
+  return write_snapshot(comm, snapshot, &place, error);
+}
+
+hc_status hc_snapshot_write_fault(hc_comm *comm, const hc_snapshot *snapshot, const char *directory,
+                                  hc_error *error) {
+  const place place = {directory, "fault", (int)snapshot->step, false};
+  return write_snapshot(comm, snapshot, &place, error);
 }
 
 hc_status hc_snapshot_bytes(const hc_scene *scene, int64_t particles, int64_t *bytes, hc_error *error) {
