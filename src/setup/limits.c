@@ -75,3 +75,11 @@ hc_status hc_setup_limits(const hc_scene *scene, const hc_setup_plan *plan, hc_l
   }
   return HC_OK;
 }
+
+double hc_limits_low(const hc_limits *limits, const hc_frame *frame, int axis) {
+  return limits->low[axis] == INT64_MIN ? -INFINITY : hc_frame_to_metres(frame, axis, limits->low[axis]);
+}
+
+double hc_limits_high(const hc_limits *limits, const hc_frame *frame, int axis) {
+  return limits->high[axis] == INT64_MAX ? INFINITY : hc_frame_to_metres(frame, axis, limits->high[axis]);
+}

@@ -16,6 +16,10 @@ typedef struct hc_limits {
 hc_status hc_setup_limits(const hc_scene *scene, const hc_setup_plan *plan, hc_limits *limits,
                           hc_error *error);
 
+/* One of them, as the position of a particle, m; infinite where there is none. Local. */
+double hc_limits_low(const hc_limits *limits, const hc_frame *frame, int axis);
+double hc_limits_high(const hc_limits *limits, const hc_frame *frame, int axis);
+
 /* Local. */
 static inline bool hc_limits_hold(const hc_limits *limits, const int64_t position[3]) {
   for (int axis = 0; axis < 3; axis++)
