@@ -3,8 +3,10 @@
 #include "atomic_file.h"
 #include "text.h"
 
+#include <errno.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <string.h>
 
 static void put_entry(FILE *stream, bool first, int number, double time) {
   char text[HC_TEXT_NUMBER];
@@ -21,6 +23,7 @@ hc_status hc_series_add(const char *directory, int number, double time, hc_error
   fprintf(file.stream, "{\"file-series-version\":\"1.0\",\"files\":[\n");
   bool first = true;
   FILE *old = fopen(path, "r");
+  bool lost = !old && errno != ENOENT; /* entries that are there but cannot be read are not dropped */
   if (old) {
     char line[256];
     while (fgets(line, sizeof line, old)) {
@@ -31,7 +34,12 @@ hc_status hc_series_add(const char *directory, int number, double time, hc_error
       put_entry(file.stream, first, old_number, old_time);
       first = false;
     }
+    lost = ferror(old) != 0;
     fclose(old);
+  }
+  if (lost) {
+    hc_atomic_file_abandon(&file);
+    return hc_error_set(error, HC_IO_FAILED, "cannot read %s: %s", path, strerror(errno ? errno : EIO));
   }
   put_entry(file.stream, first, number, time);
   fprintf(file.stream, "\n]}\n");

@@ -1,6 +1,7 @@
 #include "snapshot.h"
 
 #include "atomic_file.h"
+#include "base/memory.h"
 #include "h5.h"
 #include "series.h"
 #include "snapshot_layout.h"
@@ -43,6 +44,14 @@ static void check_size_limit(const paths *names, int64_t bytes, hc_error *proble
   hc_error_set(problem, HC_IO_FAILED,
                "cannot write %s: it needs %lld bytes, the file size limit (ulimit -f) is %lld", names->final,
                (long long)bytes, (long long)limit.rlim_cur);
+}
+
+/* Every rank: HDF5 without memory on one of them leaves the others waiting. It takes far less. */
+static void check_memory(const paths *names, hc_error *problem) {
+  enum { ROOM = 64 << 20 };
+  if (!hc_memory_has(ROOM))
+    hc_error_set(problem, HC_FAILED, "out of memory: writing %s takes up to %d MiB more", names->final,
+                 ROOM >> 20);
 }
 
 /* Rank 0, before HDF5 knows the file: the plain errors (no such directory, no permission) in plain words.
@@ -135,6 +144,7 @@ static hc_status write_snapshot(hc_comm *comm, const hc_snapshot *snapshot, cons
   hc_snapshot_layout_init(&layout, comm, snapshot, &problem);
   name_paths(&names, place, &problem);
   if (problem.status == HC_OK) check_size_limit(&names, hc_snapshot_layout_bytes(&layout), &problem);
+  if (problem.status == HC_OK) check_memory(&names, &problem);
   if (problem.status == HC_OK && comm->rank == 0) {
     file = create_temporary(&names, &problem);
     if (file >= 0) reserve(file, &names, hc_snapshot_layout_bytes(&layout), &problem);
