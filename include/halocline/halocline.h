@@ -65,8 +65,10 @@ HC_PUBLIC hc_status hc_run_from_text(hc_session *session, const char *text, cons
 HC_PUBLIC void hc_run_free(hc_run *run);
 
 /* Advances by one time step, which the scene's time_step chooses; the last one ends at its end_time, and
- * after that there is nothing to step: HC_BAD_INPUT. HC_FAILED: the simulation diverged; the run can then be
- * freed, nothing else. Collective. */
+ * after that there is nothing to step: HC_BAD_INPUT. HC_FAILED: the simulation diverged, or a
+ * particle left the world and domain.leaving is error: the message names particle, place and likely cause,
+ * and the run can be written as a snapshot or freed, nothing else. With domain.leaving: remove, particles
+ * that have left are taken out as a step begins, and `fluid` falls. Collective. */
 HC_PUBLIC hc_status hc_run_step(hc_run *run, hc_error *error);
 
 /* What is known of a run at its moment; the same on every rank but for the own counts. */

@@ -3,9 +3,10 @@
  * The keys of the JSON object: scene, particle_spacing, support_radius, end_time; fluid, boundary: particles;
  * blocks, walls: lists of {name, particles, extent}; extents: {fluid, boundary, all}; an extent is {low [3],
  * high [3]} of the particles' positions in m, or null where there are none; periodic [3]: {low, high} in m or
- * null for each axis; first_step: {dt, bound}; steps, steps_exact (else they are the fewest); ranks;
- * memory_per_rank: bytes, {total, program, fluid, boundary, ghosts, writing}; output: {snapshots,
- * snapshot_bytes, checkpoint_bytes, total_bytes}. Estimates are those of estimate.h. */
+ * null for each axis; limits [3]: likewise, of the world; leaving: what particles beyond do; first_step: {dt,
+ * bound}; steps, steps_exact (else they are the fewest); ranks; memory_per_rank: bytes, {total, program,
+ * fluid, boundary, ghosts, writing}; output: {snapshots, snapshot_bytes, checkpoint_bytes,
+ * total_bytes}. Estimates are those of estimate.h. */
 #include "commands.h"
 #include "estimate.h"
 #include "io/text.h"
@@ -13,9 +14,14 @@
 #include "setup/source.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 
 static const double mebibyte = 1048576.0;
+
+static const char *leaving_name(const hc_scene *scene) {
+  return scene->domain.leaving == HC_LEAVING_REMOVE ? "remove" : "error";
+}
 
 /* ---- text ---- */
 
@@ -43,6 +49,21 @@ static void put_particles(const hc_scene *scene, const hc_estimate *estimate) {
     if (scene->domain.periodic[axis])
       printf("periodic along %c    from %g to %g m\n", "xyz"[axis], scene -> domain.min[axis],
              scene->domain.max[axis]);
+}
+
+static void put_limits(const hc_scene *scene, const hc_estimate *estimate) {
+  const double *low = estimate->limits_low, *high = estimate->limits_high;
+  printf("limits of the world");
+  const char *separator = " ";
+  for (int axis = 0; axis < 3; axis++) {
+    if (isinf(low[axis])) continue;
+    printf("%s%c %.6g to %.6g", separator, "xyz"[axis], low[axis], high[axis]);
+    separator = ", ";
+  }
+  if (*separator == ' ')
+    printf(" none\n");
+  else
+    printf(" m; beyond: %s\n", leaving_name(scene));
 }
 
 static void put_memory(const hc_estimate *estimate) {
@@ -78,6 +99,7 @@ static void put_text(const hc_scene *scene, const hc_estimate *estimate) {
   printf("scene               %s\n", scene->name);
   printf("particle spacing    %g m, support radius %g m\n", scene->particle_spacing, scene->support_radius);
   put_particles(scene, estimate);
+  put_limits(scene, estimate);
   printf("first time step     %s s, bounded by: %s\n", hc_text_number(number, estimate->first_step),
          hc_step_bound_name(estimate->bound));
   printf("end time            %g s, %s%" PRId64 " steps\n", scene->end_time, constant ? "" : "at least ",
@@ -103,6 +125,21 @@ static void put_json_source(int number, const char *name, const hc_estimate_set 
   printf("}");
 }
 
+/* `,"name":[{low, high}, ...]`, null along axes that have none. */
+static void put_json_ranges(const char *name, const bool has[3], const double low[3], const double high[3]) {
+  printf(",\"%s\":[", name);
+  for (int axis = 0; axis < 3; axis++) {
+    char low_text[HC_TEXT_NUMBER], high_text[HC_TEXT_NUMBER];
+    if (axis) printf(",");
+    if (has[axis])
+      printf("{\"low\":%s,\"high\":%s}", hc_text_json_number(low_text, low[axis]),
+             hc_text_json_number(high_text, high[axis]));
+    else
+      printf("null");
+  }
+  printf("]");
+}
+
 static void put_json_particles(const hc_scene *scene, const hc_estimate *estimate) {
   printf(",\"fluid\":%" PRId64 ",\"boundary\":%" PRId64 ",\"blocks\":[", estimate->fluid.count,
          estimate->boundary.count);
@@ -115,17 +152,12 @@ static void put_json_particles(const hc_scene *scene, const hc_estimate *estimat
   put_json_extent("", "fluid", &estimate->fluid);
   put_json_extent(",", "boundary", &estimate->boundary);
   put_json_extent(",", "all", &estimate->all);
-  printf("},\"periodic\":[");
-  for (int axis = 0; axis < 3; axis++) {
-    char low[HC_TEXT_NUMBER], high[HC_TEXT_NUMBER];
-    if (axis) printf(",");
-    if (scene->domain.periodic[axis])
-      printf("{\"low\":%s,\"high\":%s}", hc_text_json_number(low, scene->domain.min[axis]),
-             hc_text_json_number(high, scene->domain.max[axis]));
-    else
-      printf("null");
-  }
-  printf("]");
+  printf("}");
+  put_json_ranges("periodic", scene->domain.periodic, scene->domain.min, scene->domain.max);
+  bool limited[3];
+  for (int axis = 0; axis < 3; axis++) limited[axis] = isfinite(estimate->limits_low[axis]);
+  put_json_ranges("limits", limited, estimate->limits_low, estimate->limits_high);
+  printf(",\"leaving\":\"%s\"", leaving_name(scene));
 }
 
 static void put_json(const hc_scene *scene, const hc_estimate *estimate) {

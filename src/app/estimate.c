@@ -3,7 +3,6 @@
 #include "base/check.h"
 #include "base/memory.h"
 #include "gauges/gauges.h"
-#include "setup/populate.h"
 #include "setup/world_frame.h"
 #include "simulation.h"
 
@@ -213,6 +212,17 @@ static hc_status estimate_output(const hc_scene *scene, hc_estimate *estimate, h
   return HC_OK;
 }
 
+static hc_status estimate_limits(const hc_scene *scene, const hc_setup_plan *plan, hc_estimate *estimate,
+                                 hc_error *error) {
+  hc_limits limits;
+  if (hc_setup_limits(scene, plan, &limits, error) != HC_OK) return error->status;
+  for (int axis = 0; axis < 3; axis++) {
+    estimate->limits_low[axis] = hc_limits_low(&limits, &plan->frame, axis);
+    estimate->limits_high[axis] = hc_limits_high(&limits, &plan->frame, axis);
+  }
+  return HC_OK;
+}
+
 hc_status hc_estimate_make(const hc_scene *scene, int64_t ranks, hc_estimate *estimate, hc_error *error) {
   hc_frame frame;
   hc_setup_plan plan;
@@ -222,6 +232,7 @@ hc_status hc_estimate_make(const hc_scene *scene, int64_t ranks, hc_estimate *es
   if (hc_setup_plan_make(scene, &frame, &plan, error) != HC_OK) return error->status;
   const int size = ranks < INT_MAX ? (int)ranks : INT_MAX;
   hc_status status = hc_setup_check_share(&plan, size - 1, size, error); /* the largest is the last */
+  if (status == HC_OK) status = estimate_limits(scene, &plan, estimate, error);
   if (status == HC_OK) status = estimate_particles(&plan, estimate, &v2_max, error);
   hc_setup_plan_free(&plan);
   if (status != HC_OK) return status;

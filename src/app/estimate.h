@@ -20,7 +20,7 @@
 
 #include "halocline/error.h"
 #include "scene/scene.h"
-#include "setup/populate.h"
+#include "setup/limits.h"
 #include "stepping/time_step.h"
 
 /* Some particles and the smallest box around their centres. */
@@ -31,10 +31,11 @@ typedef struct hc_estimate_set {
 
 typedef struct hc_estimate {
   hc_estimate_set fluid, boundary, all;
-  hc_estimate_set *blocks, *walls; /* as fluid.blocks and boundary.walls of the scene */
-  double first_step;               /* s, exactly what run takes */
-  hc_step_bound bound;             /* what bounds it */
-  int64_t steps;                   /* at least; exactly if steps are constant */
+  hc_estimate_set *blocks, *walls;      /* as fluid.blocks and boundary.walls of the scene */
+  double limits_low[3], limits_high[3]; /* m: of the world; infinite where there are none */
+  double first_step;                    /* s, exactly what run takes */
+  hc_step_bound bound;                  /* what bounds it */
+  int64_t steps;                        /* at least; exactly if steps are constant */
   int64_t ranks;
   double memory, memory_program, memory_fluid, memory_boundary, memory_ghosts, memory_writing; /* bytes */
   int64_t snapshots;                                                                           /* at most */

@@ -1,6 +1,7 @@
 /* halocline run: a simulation with its files. */
 #include "base/memory.h"
 #include "commands.h"
+#include "failure.h"
 #include "io/snapshot.h"
 #include "job.h"
 #include "scene_input.h"
@@ -100,6 +101,23 @@ static hc_job_load measure_load(hc_job *job, int64_t bytes_before) {
                        (int)largest[3], largest[4] != 0, largest[5] != 0};
 }
 
+/* Particles that were taken out: the first ten of a run one by one, then how many. */
+static void tell_departures(hc_job *job, char *event, size_t size) {
+  const hc_departures *departures = &job->simulation.departures;
+  const long long step = (long long)job->simulation.step;
+  if (departures->count == 0) return;
+  for (int k = 0; k < departures->named && job->counts.departed < HC_LEAVING_NAMED;
+       k++, job->counts.departed++)
+    hc_log_warn(&job->log, "step %lld: particle %lld has left the world at (%.6g, %.6g, %.6g) m; removed",
+                step, (long long)departures->first[k].id, departures->first[k].at[0],
+                departures->first[k].at[1], departures->first[k].at[2]);
+  if (departures->count > departures->named || job->counts.departed >= HC_LEAVING_NAMED)
+    hc_log_warn(&job->log, "step %lld: %lld particles have left the world; removed", step,
+                (long long)departures->count);
+  snprintf(event + strlen(event), size - strlen(event), "%sremoved:%lld", event[0] ? "+" : "",
+           (long long)departures->count);
+}
+
 /* Counts and logs what went wrong in a step; the event words of its row. */
 static void judge_step(hc_job *job, char *event, size_t size) {
   const hc_simulation *simulation = &job->simulation;
@@ -125,6 +143,7 @@ static void judge_step(hc_job *job, char *event, size_t size) {
                 (long long)simulation->step, 100.0 * report->density_error_max,
                 100.0 * HC_JOB_MOST_COMPRESSION);
   }
+  tell_departures(job, event, size);
   if (job->counts.shortest_step == 0.0 || simulation->dt < job->counts.shortest_step)
     job->counts.shortest_step = simulation->dt;
   if (simulation->dt > job->counts.longest_step) job->counts.longest_step = simulation->dt;
@@ -155,7 +174,8 @@ static hc_status step_and_report(hc_job *job, done *done, hc_error *error) {
   hc_simulation *simulation = &job->simulation;
   const double start = hc_seconds(), before = simulation->time;
   const int64_t bytes_before = job->comm->bytes_sent;
-  if (hc_simulation_step(simulation, error) != HC_OK) return error->status;
+  if (hc_simulation_step(simulation, error) != HC_OK)
+    return hc_failure_snapshot(simulation, job->directory, error);
   hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
   hc_gauges_step(&job->gauges, &simulation->world.sweep, simulation->dt);
   const double active_boundary = hc_world_active_boundary(&simulation->world);

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "estimate.h"
+#include "failure.h"
 #include "setup/rest_lattice.h"
 #include "setup/world_frame.h"
 
@@ -75,6 +76,7 @@ hc_step_settings hc_step_settings_of(const hc_scene *scene) {
       .control = scene->time_step.control == HC_TIME_CONSTANT ? HC_STEP_CONSTANT : HC_STEP_CFL,
       .size = scene->time_step.size,
       .max = scene->time_step.max,
+      .min = scene->time_step.min,
       .factor = scene->time_step.factor,
       .spacing = scene->particle_spacing,
       .support_radius = scene->support_radius,
@@ -132,7 +134,7 @@ double hc_simulation_settle_step(const hc_scene *scene) {
 
 /* Lets the start come to rest: steps of gravity and pressure that forget all momentum; then every particle
  * gets the velocity of the place it has come to. The pressure stays. */
-static hc_status settle(hc_simulation *simulation, const hc_setup_plan *plan, hc_error *error) {
+static hc_status settle(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   hc_particles *fluid = &world->fluid;
   hc_solver_settings settings = simulation->solver_settings;
@@ -141,11 +143,14 @@ static hc_status settle(hc_simulation *simulation, const hc_setup_plan *plan, hc
   for (int step = 0; step < simulation->scene->fluid.settle_steps; step++) {
     memset(fluid->velocity, 0, 3 * (size_t)fluid->own * sizeof *fluid->velocity);
     hc_world_update(world);
-    if (simulation->solver->step(world, &settings, dt, step > 0 ? dt : 0.0, &simulation->report, error) !=
+    if (simulation->solver->step(world, &settings, dt, step > 0 ? dt : 0.0, &simulation->report, error) ==
         HC_OK)
-      return error->status;
+      continue;
+    const hc_error found = *error;
+    return hc_error_set(error, HC_FAILED, "the simulation diverged while its start settled, step %d: %.4000s",
+                        step + 1, found.text);
   }
-  hc_setup_velocities(plan, fluid);
+  hc_setup_velocities(&simulation->plan, fluid);
   simulation->dt = dt;
   return HC_OK;
 }
@@ -154,17 +159,13 @@ static hc_status settle(hc_simulation *simulation, const hc_setup_plan *plan, hc
 static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   hc_comm *comm = simulation->comm;
   hc_world *world = &simulation->world;
-  hc_setup_plan plan = {0};
-  if (hc_setup_plan_make(simulation->scene, &world->frame, &plan, error) == HC_OK &&
-      check_memory(comm, simulation->scene, &plan, error) == HC_OK)
-    hc_setup_generate(&plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
-  if (hc_comm_agree(comm, error) == HC_OK) {
-    hc_world_distribute(world);
-    if (simulation->scene->fluid.settle_steps > 0) settle(simulation, &plan, error);
-    if (error->status == HC_OK) hc_world_update(world);
-  }
-  hc_setup_plan_free(&plan);
-  return error->status;
+  hc_setup_generate(&simulation->plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
+  if (hc_comm_agree(comm, error) != HC_OK) return error->status;
+  hc_world_distribute(world);
+  if (simulation->scene->fluid.settle_steps > 0 && settle(simulation, error) != HC_OK) return error->status;
+  hc_world_update(world);
+  hc_setup_plan_free(&simulation->plan);
+  return HC_OK;
 }
 
 double hc_simulation_fastest(const hc_particles *fluid) {
@@ -198,6 +199,17 @@ static void register_state(hc_simulation *simulation) {
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->dt, "dt");
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.v_max, "v_max");
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.force_max, "force_max");
+  hc_state_add(state, HC_TYPE_i64, 1, &simulation->capped_at, "capped_at");
+}
+
+/* What is known of the particles before there are any. Agreed. */
+static hc_status plan_particles(hc_simulation *simulation, hc_error *error) {
+  hc_setup_plan *plan = &simulation->plan;
+  const hc_scene *scene = simulation->scene;
+  if (hc_setup_plan_make(scene, &simulation->world.frame, plan, error) == HC_OK &&
+      hc_setup_limits(scene, plan, &simulation->limits, error) == HC_OK)
+    check_memory(simulation->comm, scene, plan, error);
+  return hc_comm_agree(simulation->comm, error);
 }
 
 hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const hc_scene *scene,
@@ -225,7 +237,8 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
       .isa = simulation->isa};
   hc_world_init(&simulation->world, comm, &settings);
   register_state(simulation);
-  return HC_OK;
+  if (plan_particles(simulation, error) != HC_OK) hc_simulation_free(simulation);
+  return error->status;
 }
 
 hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error) {
@@ -244,6 +257,7 @@ void hc_simulation_adopt(hc_simulation *simulation) {
   hc_world_distribute(world);
   hc_world_update(world);
   simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
+  hc_setup_plan_free(&simulation->plan);
 }
 
 hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_scene *scene,
@@ -254,6 +268,7 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
 }
 
 void hc_simulation_free(hc_simulation *simulation) {
+  hc_setup_plan_free(&simulation->plan);
   hc_state_free(&simulation->state);
   hc_world_free(&simulation->world);
 }
@@ -283,25 +298,45 @@ static void balance(hc_simulation *simulation) {
     simulation->rebalance_interval *= 2;
 }
 
+/* The step itself: the solver's, between the watches over its length and over the world's limits. */
+static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) {
+  hc_world *world = &simulation->world;
+  hc_fault *fault = &simulation->report.fault;
+  if (hc_time_step_too_small(&simulation->step_settings, simulation->time, dt)) {
+    fill_derived(world);
+    hc_fault_note(fault, HC_FAULT_TIME_STEP, -1.0, INT64_MAX); /* also where no particle is left */
+    hc_fault_watch_fastest(world, HC_FAULT_TIME_STEP, fault);
+    return hc_fault_agree(world->comm, dt, fault, error);
+  }
+  if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
+                               error) != HC_OK)
+    return error->status;
+  if (simulation->scene->domain.leaving == HC_LEAVING_REMOVE) return HC_OK;
+  hc_leaving_watch(world, &simulation->limits, fault);
+  return hc_fault_agree(world->comm, dt, fault, error);
+}
+
 hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
+  const hc_step_report before = simulation->report;
+  simulation->departures.count = 0;
   if (simulation->step > 0) {
+    if (simulation->scene->domain.leaving == HC_LEAVING_REMOVE)
+      hc_leaving_remove(world, &simulation->limits, &simulation->departures);
+    hc_failure_inject(simulation);
     balance(simulation);
     hc_world_update(world);
   }
   const double dt = hc_time_step_next(&simulation->step_settings, simulation->time, simulation->dt,
                                       &simulation->report, &simulation->bound);
-  if (!(simulation->time + dt > simulation->time && isfinite(1.0 / (dt * dt))))
-    return hc_error_set(
-        error, HC_FAILED,
-        "the simulation diverged: a time step of %g s, bounded by: %s, does not get on from %g s", dt,
-        hc_step_bound_name(simulation->bound), simulation->time);
-  if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
-                               error) != HC_OK)
+  if (advance(simulation, dt, error) != HC_OK) {
+    hc_failure_explain(simulation, dt, &before, error);
     return error->status;
+  }
   simulation->dt = dt;
   simulation->step++;
   simulation->time = simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
+  if (simulation->report.density_capped) simulation->capped_at = simulation->step;
   return HC_OK;
 }
 

@@ -3,6 +3,7 @@
 #define HC_SIMULATION_H
 
 #include "io/snapshot.h"
+#include "leaving.h"
 #include "scene/scene.h"
 #include "setup/populate.h"
 #include "solver/solver.h"
@@ -22,6 +23,10 @@ typedef struct hc_simulation {
   double dt;    /* the last step's, s; 0 before the first */
   hc_step_bound bound;
   hc_step_report report;
+  hc_setup_plan plan;         /* of the scene's particles; let go once they are there */
+  hc_limits limits;           /* of the world */
+  hc_departures departures;   /* taken out as the last step began */
+  int64_t capped_at;          /* the last step in which the density solver was at its cap; 0: none */
   double imbalance;           /* largest over mean number of own fluid particles, when last measured */
   int64_t rebalance_interval; /* steps between two looks at the balance */
   bool rebalanced;            /* in the last step */
@@ -48,7 +53,10 @@ void hc_simulation_free(hc_simulation *simulation);
 /* Has the run reached its end time? */
 bool hc_simulation_done(const hc_simulation *simulation);
 
-/* One step. Collective. HC_FAILED (agreed) if the simulation diverged. */
+/* One step. Particles that have left the world are taken out first, if the scene says so. Collective.
+ * HC_FAILED (agreed) if the simulation diverged or a particle left the world: the message names the particle,
+ * its place and the likely cause, report.fault the fault; nothing but a snapshot of the moment makes sense
+ * afterwards. */
 hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error);
 
 /* The time step with which the start of a scene settles, s; 0 if it does not. Local. */

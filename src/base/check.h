@@ -16,10 +16,12 @@ _Noreturn void hc_check_failed(const char *file, int line, const char *format, .
     if (__builtin_expect(!(condition), 0)) hc_check_failed(__FILE__, __LINE__, __VA_ARGS__);                 \
   } while (0)
 
-/* Ends the program because the machine lacks what it needs: exit code HC_FAILED, no core dump. */
-_Noreturn void hc_check_give_up(const char *format, ...) __attribute__((format(printf, 1, 2)));
+/* Ends the program where nobody can go on, because the machine lacks what it needs or the ranks are no longer
+ * in the same place: with this exit code, no core dump. */
+_Noreturn void hc_check_give_up(int exit_code, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* How the program ends there if other processes must end too; null: it has but this one. */
+/* How the program ends there if other processes must end too; null: it has but this one. Some memory is kept
+ * for it. */
 void hc_check_set_leave(void (*leave)(int exit_code));
 
 #endif

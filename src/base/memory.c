@@ -1,6 +1,7 @@
 #include "memory.h"
 
 #include "check.h"
+#include "halocline/error.h"
 
 #include <stdint.h>
 #include <stdio.h>
@@ -20,7 +21,8 @@ void *hc_alloc(size_t count, size_t size) {
   const size_t alignment = count * size >= 2 * HUGE_PAGE ? HUGE_PAGE : HC_ALIGNMENT;
   const size_t bytes = (count * size + alignment) / alignment * alignment;
   void *pointer = aligned_alloc(alignment, bytes);
-  if (!pointer) hc_check_give_up("out of memory: %zu bytes wanted, %zu in use", bytes, hc_memory_now());
+  if (!pointer)
+    hc_check_give_up(HC_FAILED, "out of memory: %zu bytes wanted, %zu in use", bytes, hc_memory_now());
   if (alignment == HUGE_PAGE) madvise(pointer, bytes, MADV_HUGEPAGE); /* a hint: failure changes nothing */
   return pointer;
 }
@@ -58,6 +60,12 @@ size_t hc_memory_allowed(void) {
   struct rlimit limit;
   return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY ? (size_t)limit.rlim_cur
                                                                               : SIZE_MAX;
+}
+
+bool hc_memory_has(size_t bytes) {
+  void *volatile probe = malloc(bytes);
+  free(probe);
+  return probe != NULL;
 }
 
 size_t hc_memory_now(void) {

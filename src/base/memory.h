@@ -2,6 +2,7 @@
 #ifndef HC_MEMORY_H
 #define HC_MEMORY_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 enum { HC_ALIGNMENT = 64 };
@@ -21,6 +22,10 @@ void hc_reserve(void **pointer, size_t *capacity, size_t count, size_t keep, siz
  * address space, or SIZE_MAX). */
 size_t hc_memory_machine(void);
 size_t hc_memory_allowed(void);
+
+/* Can this process have so many bytes more? They are asked for and given back. For work by libraries that do
+ * not bear to run out, such as what HDF5 does on all ranks together: ask, agree, then begin. */
+bool hc_memory_has(size_t bytes);
 
 /* Resident memory of this process, in bytes: now, and at its highest. */
 size_t hc_memory_now(void);

@@ -36,21 +36,6 @@ static int32_t find_leavers(const hc_domain *domain, const hc_particles *particl
   return count;
 }
 
-/* Closes the holes that leavers (indices ascending) leave behind with particles from the end. */
-static void close_holes(hc_particles *particles, const int32_t *holes, int32_t count, void *block) {
-  int32_t end = particles->own, last = count - 1;
-  for (int32_t k = 0; k < count; k++) {
-    while (last >= 0 && holes[last] == end - 1) {
-      last--;
-      end--;
-    }
-    if (holes[k] >= end) break;
-    hc_particles_pack(particles, --end, block);
-    hc_particles_unpack(particles, holes[k], block);
-  }
-  hc_particles_resize(particles, particles->own - count);
-}
-
 static int ascending(const void *a, const void *b) {
   const int32_t p = *(const int32_t *)a, q = *(const int32_t *)b;
   return p < q ? -1 : p > q;
@@ -64,7 +49,7 @@ int32_t hc_domain_migrate(hc_domain *domain, hc_particles *particles) {
   if (count) qsort(leavers, (size_t)count, sizeof *leavers, by_rank);
 
   const size_t bytes = hc_particles_state_bytes(particles->kind);
-  char *buffer = hc_alloc((size_t)count + 1, bytes); /* one more for close_holes */
+  char *buffer = hc_alloc((size_t)count, bytes);
   int32_t *holes = hc_alloc((size_t)count, sizeof *holes);
   hc_message *out = hc_alloc((size_t)count, sizeof *out);
   int messages = 0;
@@ -78,7 +63,7 @@ int32_t hc_domain_migrate(hc_domain *domain, hc_particles *particles) {
   }
   if (count) {
     qsort(holes, (size_t)count, sizeof *holes, ascending);
-    close_holes(particles, holes, count, buffer + (size_t)count * bytes);
+    hc_particles_remove(particles, holes, count);
   }
 
   hc_message *in;

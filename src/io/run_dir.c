@@ -104,6 +104,7 @@ static hc_status clear_run(const char *directory, hc_error *error) {
   for (size_t k = 0; status == HC_OK && k < sizeof own_files / sizeof *own_files; k++)
     status = remove_file(directory, own_files[k], error);
   if (status == HC_OK) status = remove_numbered(directory, "snapshots", "snap_", ".hdf", 0, error);
+  if (status == HC_OK) status = remove_numbered(directory, "snapshots", "fault_", ".hdf", 0, error);
   if (status == HC_OK) status = remove_numbered(directory, "checkpoints", "ckpt_", ".h5", 0, error);
   return status;
 }

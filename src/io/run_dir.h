@@ -13,9 +13,9 @@ typedef enum hc_run_dir_mode {
 
 /* Makes `directory` (with its parents) ready for a run. A directory holds a run if it has steps.csv or
  * scene.yaml. HC_RUN_DIR_FORCE removes scene.yaml, run.log, steps.csv, load.csv, gauges.csv, timings.json,
- * snapshots/snap_<digits>.hdf, snapshots/run.hdf.series, checkpoints/ckpt_<digits>.h5 and temporaries of
- * these. Collective; rank 0 does the work, every rank returns the same. HC_BAD_INPUT: it holds a run.
- * HC_IO_FAILED: it cannot be created, read or cleared. */
+ * snapshots/snap_<digits>.hdf, snapshots/fault_<digits>.hdf, snapshots/run.hdf.series,
+ * checkpoints/ckpt_<digits>.h5 and temporaries of these. Collective; rank 0 does the work, every rank returns
+ * the same. HC_BAD_INPUT: it holds a run. HC_IO_FAILED: it cannot be created, read or cleared. */
 hc_status hc_run_dir_open(hc_comm *comm, const char *directory, hc_run_dir_mode mode, hc_error *error);
 
 /* Holds the directory for this run as long as `*lock`, a descriptor, is open: waits for a run that is just

@@ -3,8 +3,10 @@
 #include "atomic_file.h"
 #include "text.h"
 
+#include <errno.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 static void put_entry(FILE *stream, bool first, int number, double time) {
@@ -23,6 +25,7 @@ static hc_status rewrite(const char *directory, int number, bool cut, double tim
   fprintf(file.stream, "{\"file-series-version\":\"1.0\",\"files\":[\n");
   bool first = true;
   FILE *old = fopen(path, "r");
+  bool lost = !old && errno != ENOENT; /* entries that are there but cannot be read are not dropped */
   if (old) {
     char line[256];
     while (fgets(line, sizeof line, old)) {
@@ -33,7 +36,12 @@ static hc_status rewrite(const char *directory, int number, bool cut, double tim
       put_entry(file.stream, first, old_number, old_time);
       first = false;
     }
+    lost = ferror(old) != 0;
     fclose(old);
+  }
+  if (lost) {
+    hc_atomic_file_abandon(&file);
+    return hc_error_set(error, HC_IO_FAILED, "cannot read %s: %s", path, strerror(errno ? errno : EIO));
   }
   if (!cut) put_entry(file.stream, first, number, time);
   fprintf(file.stream, "\n]}\n");

@@ -1,6 +1,7 @@
 #include "shared_file.h"
 
 #include "atomic_file.h"
+#include "base/memory.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -19,6 +20,14 @@ static void check_size_limit(const hc_shared_file *file, int64_t bytes) {
   hc_error_set(file->problem, HC_IO_FAILED,
                "cannot write %s: it needs %lld bytes, the file size limit (ulimit -f) is %lld", file->final,
                (long long)bytes, (long long)limit.rlim_cur);
+}
+
+/* Every rank: HDF5 without memory on one of them leaves the others waiting. It takes far less. */
+static void check_memory(const hc_shared_file *file) {
+  enum { ROOM = 64 << 20 };
+  if (!hc_memory_has(ROOM))
+    hc_error_set(file->problem, HC_FAILED, "out of memory: writing %s takes up to %d MiB more", file->final,
+                 ROOM >> 20);
 }
 
 /* Rank 0, before HDF5 knows the file: the plain errors (no such directory, no permission) in plain words. */
@@ -70,6 +79,7 @@ hc_status hc_shared_file_open(hc_shared_file *file, hc_comm *comm, const char *d
       hc_text_path(file->temporary, problem, "%s/.%s.tmp", file->directory, name) == HC_OK &&
       hc_text_path(file->final, problem, "%s/%s", file->directory, name) == HC_OK)
     check_size_limit(file, bytes);
+  if (problem->status == HC_OK) check_memory(file);
   if (problem->status == HC_OK && comm->rank == 0) create_temporary(file);
   if (file->reserved >= 0) reserve(file, bytes);
   if (hc_comm_agree(comm, problem) != HC_OK) return problem->status;

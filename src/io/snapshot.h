@@ -42,6 +42,11 @@ typedef struct hc_snapshot {
 hc_status hc_snapshot_write(hc_comm *comm, const hc_snapshot *snapshot, const char *directory, int number,
                             hc_error *error);
 
+/* The same of the moment in which a run failed: DIRECTORY/snapshots/fault_NNNNNN.hdf (NNNNNN = the snapshot's
+ * step). It is no part of run.hdf.series, whose scales one broken particle would spoil. */
+hc_status hc_snapshot_write_fault(hc_comm *comm, const hc_snapshot *snapshot, const char *directory,
+                                  hc_error *error);
+
 /* About how large the snapshot of so many particles is, of both kinds together: right to some KiB, packed
  * columns taken for 0.15 bytes a particle. Local. HC_BAD_INPUT as above. */
 hc_status hc_snapshot_bytes(const hc_scene *scene, int64_t particles, int64_t *bytes, hc_error *error);

@@ -4,7 +4,7 @@
  * - Connectivity, offsets, cell types and kinds hold almost no information; shuffle + deflate makes them
  * nearly free. HDF5 wants compressed chunks written collectively, since a chunk may span two ranks. Known
  * weakness: a failing collective write can leave HDF5's ranks in different places, so snapshot.c reserves the
- * disk space first. */
+ * disk space and asks for memory first, and one that fails all the same ends the program. */
 #include "snapshot_layout.h"
 
 #include "base/check.h"
@@ -197,8 +197,12 @@ static void write_ranges(hc_snapshot_layout *layout, const hc_snapshot_column *c
     const hsize_t count[2] = {(hsize_t)ranges[k].count, (hsize_t)components};
     good = H5Sselect_hyperslab(file, H5S_SELECT_OR, start, NULL, count, NULL) >= 0;
   }
-  if (!good || H5Dwrite(column->dataset, type, memory, file, transfer, rows) < 0)
+  if (!good || H5Dwrite(column->dataset, type, memory, file, transfer, rows) < 0) {
     hc_h5_failed(layout->problem, HC_IO_FAILED, "cannot write %lld rows", (long long)total);
+    /* The others may wait for this rank within HDF5, and would for ever. */
+    if (transfer == layout->collective && layout->comm->size > 1)
+      hc_check_give_up(HC_IO_FAILED, "snapshot: %s", layout->problem->text);
+  }
   if (memory >= 0) H5Sclose(memory);
   if (file >= 0) H5Sclose(file);
 }

@@ -29,7 +29,7 @@ static hc_status flush(hc_table *table, hc_error *error) {
 }
 
 /* Finds the end of the last whole row whose first number is at most `last`. Returns false if the header is
- * not ours. */
+ * not ours, or the file cannot be read (ferror). */
 static bool find_end(FILE *stream, const char *header, double last, off_t *end) {
   char *line = NULL;
   size_t room = 0;
@@ -42,7 +42,7 @@ static bool find_end(FILE *stream, const char *header, double last, off_t *end) 
     *end = ftello(stream);
   }
   free(line);
-  return ours;
+  return ours && !ferror(stream);
 }
 
 static hc_status open_table(hc_table *table, const char *directory, const char *name, const char *header,
@@ -55,7 +55,11 @@ static hc_status open_table(hc_table *table, const char *directory, const char *
   }
   if (table->stream) {
     off_t end = 0;
-    if (!find_end(table->stream, header, last, &end))
+    const bool found = find_end(table->stream, header, last, &end);
+    if (ferror(table->stream)) /* rows that cannot be read are not cut off */
+      return hc_error_set(error, HC_IO_FAILED, "cannot read %s: %s", table->path,
+                          strerror(errno ? errno : EIO));
+    if (!found)
       return hc_error_set(error, HC_IO_FAILED, "cannot go on in %s: its first line must be %.*s", table->path,
                           (int)strlen(header) - 1, header);
     if (fseeko(table->stream, end, SEEK_SET) != 0 || ftruncate(fileno(table->stream), end) != 0)

@@ -132,3 +132,20 @@ void hc_particles_unpack(hc_particles *particles, int32_t index, const void *blo
     from += bytes;
   }
 }
+
+void hc_particles_remove(hc_particles *particles, const int32_t *indices, int32_t count) {
+  if (count == 0) return;
+  void *block = hc_alloc(1, hc_particles_state_bytes(particles->kind));
+  int32_t end = particles->own, last = count - 1;
+  for (int32_t k = 0; k < count; k++) {
+    while (last >= 0 && indices[last] == end - 1) {
+      last--;
+      end--;
+    }
+    if (indices[k] >= end) break;
+    hc_particles_pack(particles, --end, block);
+    hc_particles_unpack(particles, indices[k], block);
+  }
+  hc_particles_resize(particles, particles->own - count);
+  hc_free(block);
+}

@@ -88,6 +88,10 @@ void hc_particles_set_ghosts(hc_particles *particles, int32_t ghosts);
  * count. Fields that are not state keep no meaning. */
 void hc_particles_permute(hc_particles *particles, const int32_t *order, int32_t count);
 
+/* Takes out own particles, by indices in ascending order; particles from the end close the gaps, and ghosts
+ * are dropped. Fields that are not state keep no meaning. */
+void hc_particles_remove(hc_particles *particles, const int32_t *indices, int32_t count);
+
 /* Work space of `bytes` for each own particle, the store's own; the next permutation overwrites it. */
 void *hc_particles_scratch(hc_particles *particles, size_t bytes);
 

@@ -31,6 +31,7 @@ static const hc_choice directions[] = {{"none", 0},
                                        {"+z", HC_FACE_PLUS_Z},
                                        {NULL, 0}};
 static const hc_choice solver_methods[] = {{"dfsph", HC_SOLVER_DFSPH}, {NULL, 0}};
+static const hc_choice leavings[] = {{"error", HC_LEAVING_ERROR}, {"remove", HC_LEAVING_REMOVE}, {NULL, 0}};
 static const hc_choice time_controls[] = {{"constant", HC_TIME_CONSTANT}, {"cfl", HC_TIME_CFL}, {NULL, 0}};
 static const hc_choice decompositions[] = {{"slabs", HC_DECOMPOSITION_SLABS}, {NULL, 0}};
 static const hc_choice rebalances[] = {{"none", HC_REBALANCE_NONE}, {"slabs", HC_REBALANCE_SLABS}, {NULL, 0}};

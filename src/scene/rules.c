@@ -100,6 +100,31 @@ static void check_domain(const hc_scene *scene, const hc_given *given, hc_compla
   check_box(given, "domain.min", "domain.max", scene->domain.min, scene->domain.max, periodic, complaints);
 }
 
+/* Along an axis the limits are given, or both are 0. */
+static void check_limits(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  const char *low = "domain.limits.min", *high = "domain.limits.max";
+  if (!is_given(given, low) && !is_given(given, high)) return;
+  require(given, low, "with domain.limits.max", complaints);
+  require(given, high, "with domain.limits.min", complaints);
+  const double *min = scene->domain.limits_min, *max = scene->domain.limits_max;
+  bool wanted[3];
+  for (int k = 0; k < 3; k++) wanted[k] = !scene->domain.periodic[k] && (min[k] != 0.0 || max[k] != 0.0);
+  check_box(given, low, high, min, max, wanted, complaints);
+}
+
+static void check_floor(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  if (is_bad(given, "time_step.control") || is_bad(given, "time_step.min")) return;
+  const bool constant = scene->time_step.control == HC_TIME_CONSTANT;
+  const char *largest = constant ? "time_step.size" : "time_step.max";
+  const double most = constant ? scene->time_step.size : scene->time_step.max;
+  if (is_bad(given, largest) || scene->time_step.min <= most || most <= 0.0) return;
+  char min_text[HC_PARAM_NUMBER_TEXT], max_text[HC_PARAM_NUMBER_TEXT];
+  hc_params_number_text(scene->time_step.min, min_text);
+  hc_params_number_text(most, max_text);
+  hc_complaints_add(complaints, hc_given_place_of(given, "time_step.min"),
+                    "time_step.min must be <= %s, not %s > %s", largest, min_text, max_text);
+}
+
 static void check_step(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
   if (is_bad(given, "time_step.control") || scene->time_step.control != HC_TIME_CONSTANT) return;
   require(given, "time_step.size", "with time_step.control constant", complaints);
@@ -283,11 +308,13 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
   check_name(scene, given, complaints);
   check_support(scene, given, complaints);
   check_domain(scene, given, complaints);
+  check_limits(scene, given, complaints);
   check_iterations(given, "solver.density_iterations.min", "solver.density_iterations.max",
                    scene->solver.density_iterations, complaints);
   check_iterations(given, "solver.divergence_iterations.min", "solver.divergence_iterations.max",
                    scene->solver.divergence_iterations, complaints);
   check_step(scene, given, complaints);
+  check_floor(scene, given, complaints);
   const hc_given_value *blocks = hc_given_value_of(given, "fluid.blocks");
   for (int k = 0; k < blocks->item_count; k++)
     if (!blocks->items[k].bad) check_block(&scene->fluid.blocks[k], &blocks->items[k], complaints);

@@ -119,6 +119,7 @@ typedef enum hc_viscosity_model {
 typedef enum hc_boundary_method { HC_BOUNDARY_AKINCI2012 } hc_boundary_method;
 typedef enum hc_solver_method { HC_SOLVER_DFSPH } hc_solver_method;
 typedef enum hc_time_control { HC_TIME_CONSTANT, HC_TIME_CFL } hc_time_control;
+typedef enum hc_leaving { HC_LEAVING_ERROR, HC_LEAVING_REMOVE } hc_leaving;
 typedef enum hc_decomposition { HC_DECOMPOSITION_SLABS } hc_decomposition;
 typedef enum hc_rebalance { HC_REBALANCE_NONE, HC_REBALANCE_SLABS } hc_rebalance;
 
@@ -136,7 +137,9 @@ typedef struct hc_scene {
 
   struct {
     bool periodic[3];
-    double min[3], max[3]; /* along periodic axes: the period; elsewhere unused */
+    double min[3], max[3];               /* along periodic axes: the period; elsewhere unused */
+    double limits_min[3], limits_max[3]; /* of the world, along open axes; max <= min: computed */
+    hc_leaving leaving;                  /* what particles beyond do */
   } domain;
 
   struct {
@@ -177,6 +180,7 @@ typedef struct hc_scene {
     double size;   /* constant */
     double factor; /* cfl: step <= factor * particle_spacing / v_max */
     double max;    /* cfl */
+    double min;    /* floor; 0 = a share of the largest step */
   } time_step;
 
   struct {
@@ -197,6 +201,10 @@ typedef struct hc_scene {
     double rebalance_above; /* imbalance (largest over mean load) that starts a rebalance */
     int rebalance_at;       /* hidden: forces a rebalance at this step; 0 = never */
   } parallel;
+
+  struct { /* hidden: faults after so many steps, to test what they do; 0 = never */
+    int nan_at, kick_at;
+  } faults;
 } hc_scene;
 
 void hc_scene_free(hc_scene *scene);

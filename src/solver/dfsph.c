@@ -12,6 +12,7 @@
  * fill it 1 % under. */
 #include "solver.h"
 
+#include <math.h>
 #include <string.h>
 
 /* One of the two solves. */
@@ -28,6 +29,7 @@ typedef struct solve {
 typedef struct solved {
   int iterations;
   bool capped;
+  bool broken; /* the errors are no numbers, or beyond 2^30: stopped at once */
   double average, max;
 } solved;
 
@@ -83,14 +85,15 @@ static solved iterate(const solve *solve, prediction first) {
   const double particles = world->fluid_total > 0 ? (double)world->fluid_total : 1.0;
   predict(solve, first);
   correct(solve);
-  solved result = {0, false, 0.0, 0.0};
+  solved result = {0};
   for (;;) {
     const hc_error_total total = predict(solve, AGAIN);
     hc_sum sum = hc_error_sum(&total);
     hc_comm_sum_exact(world->comm, &sum, 1);
     result.average = hc_sum_value(&sum) / particles;
     result.max = total.max;
-    if (result.average <= solve->threshold && result.iterations >= solve->min) break;
+    result.broken = !isfinite(result.average);
+    if (result.broken || (result.average <= solve->threshold && result.iterations >= solve->min)) break;
     if (result.iterations >= solve->max) {
       result.capped = true;
       break;
@@ -144,10 +147,12 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
                       hc_step_report *report, hc_error *error) {
   memset(report, 0, sizeof *report);
   hc_remember_velocities(world);
+  hc_fault_watch_start(world, dt, &report->fault);
 
   /* densities rho_i, factors alpha_i; and already the rates D rho_i/Dt, from the same neighbours */
   hc_stopwatch_enter(&world->watch, HC_STAGE_DENSITY);
   world->sweeps->density(&world->sweep, 0, world->fluid.own);
+  hc_fault_watch_density(world, &report->fault);
 
   /* correctDivergenceError(alpha, v) */
   hc_stopwatch_enter(&world->watch, HC_STAGE_DIVERGENCE);
@@ -155,11 +160,12 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
 
   /* v += dt * non-pressure accelerations */
   hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);
-  hc_apply_forces(world, settings, dt, report);
+  if (!divergence.broken) hc_apply_forces(world, settings, dt, report);
 
   /* correctDensityError(alpha, v) */
   hc_stopwatch_enter(&world->watch, HC_STAGE_PRESSURE);
-  const solved density = correct_density_error(world, settings, dt, dt_before);
+  const solved density =
+      divergence.broken ? divergence : correct_density_error(world, settings, dt, dt_before);
 
   /* x += dt * v */
   hc_stopwatch_enter(&world->watch, HC_STAGE_MOVE);
@@ -170,7 +176,7 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
   report->density_error_max = density.max;
   report->divergence_iterations = divergence.iterations;
   report->divergence_capped = divergence.capped;
-  return hc_move(world, settings, dt, report, error);
+  return hc_move(world, settings, dt, divergence.broken || density.broken, report, error);
 }
 
 const hc_solver_ops hc_solver_dfsph = {"dfsph", step};

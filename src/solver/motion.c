@@ -6,10 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* A displacement or position of more than this many units is no water any more. */
-static const double FARTHEST_MOVE = 0x1p40;
-static const int64_t WORLD_END = (int64_t)1 << 60;
-
 void hc_remember_velocities(hc_world *world) {
   hc_particles *fluid = &world->fluid;
   for (int32_t k = 0; k < fluid->own; k++)
@@ -79,43 +75,49 @@ void hc_apply_forces(hc_world *world, const hc_solver_settings *settings, double
   hc_halo_end(&world->halo);
 }
 
+/* Turns the remembered velocities into what they are called: a = (v - v remembered)/dt. */
+static void find_accelerations(hc_particles *fluid, double dt) {
+  const double rate = 1.0 / dt;
+  for (size_t k = 0; k < 3 * (size_t)fluid->own; k++)
+    fluid->acceleration[k] = (float)((fluid->velocity[k] - (double)fluid->acceleration[k]) * rate);
+}
+
+/* Looks for what must not move; the same on every rank. */
+static hc_status look_before_move(hc_world *world, double dt, bool broken, hc_step_report *report,
+                                  hc_error *error) {
+  hc_fault_watch_end(world, dt, &report->fault);
+  if (broken && report->fault.kind == HC_FAULT_NONE)
+    hc_fault_watch_fastest(world, HC_FAULT_ERROR, &report->fault);
+  if (hc_fault_agree(world->comm, dt, &report->fault, error) == HC_OK) return HC_OK;
+  find_accelerations(&world->fluid, dt);
+  return error->status;
+}
+
 /* What moving adds up on one rank. */
 typedef struct move_totals {
   hc_sum energy[2]; /* v^2, gravity . x */
   double v2_max, a2_max;
-  uint64_t bad; /* smallest id of a particle that cannot be moved, or UINT64_MAX */
 } move_totals;
-
-static bool move_particle(const hc_frame *frame, int64_t position[3], const double velocity[3],
-                          const double units_per_speed[3]) {
-  for (int axis = 0; axis < 3; axis++) {
-    const double units = velocity[axis] * units_per_speed[axis];
-    if (!(fabs(units) < FARTHEST_MOVE)) return false;
-    const int64_t moved = position[axis] + llrint(units);
-    if (moved > WORLD_END || moved < -WORLD_END) return false;
-    position[axis] = hc_frame_wrap(frame, axis, moved);
-  }
-  return true;
-}
 
 static void move_all(hc_world *world, const hc_solver_settings *settings, double dt, move_totals *totals) {
   hc_particles *fluid = &world->fluid;
+  const hc_frame *frame = &world->frame;
   const double rate = 1.0 / dt;
   double units_per_speed[3];
-  for (int axis = 0; axis < 3; axis++) units_per_speed[axis] = dt / world->frame.unit[axis];
+  for (int axis = 0; axis < 3; axis++) units_per_speed[axis] = dt / frame->unit[axis];
   for (int32_t k = 0; k < fluid->own; k++) {
     int64_t *position = &fluid->position[3 * (size_t)k];
     const double *velocity = &fluid->velocity[3 * (size_t)k];
     float *acceleration = &fluid->acceleration[3 * (size_t)k];
-    if (!move_particle(&world->frame, position, velocity, units_per_speed) && fluid->id[k] < totals->bad)
-      totals->bad = fluid->id[k];
     double v2 = 0.0, a2 = 0.0, work = 0.0;
     for (int axis = 0; axis < 3; axis++) {
+      position[axis] =
+          hc_frame_wrap(frame, axis, position[axis] + llrint(velocity[axis] * units_per_speed[axis]));
       const double a = (velocity[axis] - (double)acceleration[axis]) * rate;
       acceleration[axis] = (float)a;
       v2 += velocity[axis] * velocity[axis];
       a2 += a * a;
-      work += settings->gravity[axis] * hc_frame_to_metres(&world->frame, axis, position[axis]);
+      work += settings->gravity[axis] * hc_frame_to_metres(frame, axis, position[axis]);
     }
     hc_sum_add(&totals->energy[0], v2);
     hc_sum_add(&totals->energy[1], work);
@@ -124,25 +126,17 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
   }
 }
 
-hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, hc_step_report *report,
-                  hc_error *error) {
+hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, bool broken,
+                  hc_step_report *report, hc_error *error) {
   if (world->contact_limit > 0.0)
     report->contacts =
         world->boundary_ops->contact(&world->fluid, settings->rest_density, world->contact_limit, dt);
+  if (look_before_move(world, dt, broken, report, error) != HC_OK) return error->status;
   hc_comm_sum_i64(world->comm, &report->contacts, 1);
   move_totals totals;
   memset(&totals, 0, sizeof totals);
-  totals.bad = UINT64_MAX;
   move_all(world, settings, dt, &totals);
 
-  int64_t bad = totals.bad > INT64_MAX ? INT64_MAX : (int64_t)totals.bad;
-  hc_comm_min_i64(world->comm, &bad, 1);
-  if (bad != INT64_MAX)
-    return hc_error_set(
-        error, HC_FAILED,
-        "the simulation diverged: the velocity of particle %lld is no number or carries it out of "
-        "the world within one step of %g s",
-        (long long)bad, dt);
   hc_comm_sum_exact(world->comm, totals.energy, 2);
   double maxima[3] = {totals.v2_max, totals.a2_max, report->force_max};
   hc_comm_max_f64(world->comm, maxima, 3);

@@ -2,8 +2,7 @@
 #ifndef HC_SOLVER_H
 #define HC_SOLVER_H
 
-#include "halocline/error.h"
-#include "world.h"
+#include "fault.h"
 
 typedef enum hc_viscous_force {
   HC_VISCOUS_NONE,
@@ -37,13 +36,15 @@ typedef struct hc_step_report {
   double force_max;                        /* m/s2: non-pressure forces, for the choice of the next step */
   double kinetic_energy, potential_energy; /* J; potential about the scene's origin */
   int64_t contacts;                        /* particles that a wall's contact held */
+  hc_fault fault;                          /* why the step failed */
 } hc_step_report;
 
 typedef struct hc_solver_ops {
   const char *name;
   /* Advances own particles by dt; dt_before is the last step's, 0 at the first. Collective.
    * Before: hc_world_update. After: positions, velocities, pressures new; cells and lists stale.
-   * HC_FAILED, agreed, if a particle's velocity is no number or carries it out of the world. */
+   * HC_FAILED, agreed, as fault.h says; the fault is in the report then, and velocities, densities, pressures
+   * and accelerations are those it was found with, positions those of the step's beginning. */
   hc_status (*step)(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
                     hc_step_report *report, hc_error *error);
 } hc_solver_ops;
@@ -60,8 +61,9 @@ void hc_apply_forces(hc_world *world, const hc_solver_settings *settings, double
 void hc_remember_velocities(hc_world *world);
 
 /* Wall contacts, then x += dt v for own particles, periodic axes wrapped; velocities, accelerations, energies
- * into the report. Collective; HC_FAILED as hc_solver_ops.step says. */
-hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, hc_step_report *report,
-                  hc_error *error);
+ * into the report. `broken`, the same on every rank: the pressure found no end, and the step fails.
+ * Collective; HC_FAILED as hc_solver_ops.step says. */
+hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, bool broken,
+                  hc_step_report *report, hc_error *error);
 
 #endif

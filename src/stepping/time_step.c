@@ -3,12 +3,19 @@
 #include <math.h>
 
 static const double FIRST_STEP = 0.25;
+static const double FLOOR_SHARE = 1e-5;
 
 static void shrink(double *dt, double limit, hc_step_bound reason, hc_step_bound *bound) {
   if (limit < *dt) {
     *dt = limit;
     *bound = reason;
   }
+}
+
+double hc_time_step_viscous_bound(const hc_step_settings *settings) {
+  const double smoothing_length = 0.5 * settings->support_radius;
+  if (!(settings->viscosity > 0.0)) return INFINITY;
+  return 0.125 * smoothing_length * smoothing_length / settings->viscosity;
 }
 
 double hc_time_step_next(const hc_step_settings *settings, double time, double dt_before,
@@ -20,9 +27,7 @@ double hc_time_step_next(const hc_step_settings *settings, double time, double d
       shrink(&dt, settings->factor * settings->spacing / report->v_max, HC_BOUND_VELOCITY, bound);
     if (report->force_max > 0.0)
       shrink(&dt, 0.25 * sqrt(settings->support_radius / report->force_max), HC_BOUND_FORCE, bound);
-    const double smoothing_length = 0.5 * settings->support_radius;
-    if (settings->viscosity > 0.0)
-      shrink(&dt, 0.125 * smoothing_length * smoothing_length / settings->viscosity, HC_BOUND_VISCOUS, bound);
+    shrink(&dt, hc_time_step_viscous_bound(settings), HC_BOUND_VISCOUS, bound);
     /* A run starts without pressure, which takes iterations to build up: fewest from a short first step on.
      */
     shrink(&dt, dt_before > 0.0 ? 1.1 * dt_before : FIRST_STEP * settings->max, HC_BOUND_GROWTH, bound);
@@ -35,6 +40,16 @@ double hc_time_step_next(const hc_step_settings *settings, double time, double d
     return left;
   }
   return settings->control == HC_STEP_CFL ? fmin(dt, 0.5 * left) : dt;
+}
+
+double hc_time_step_floor(const hc_step_settings *settings) {
+  if (settings->min > 0.0) return settings->min;
+  return FLOOR_SHARE * (settings->control == HC_STEP_CONSTANT ? settings->size : settings->max);
+}
+
+bool hc_time_step_too_small(const hc_step_settings *settings, double time, double dt) {
+  if (!(time + dt > time && isfinite(1.0 / (dt * dt)))) return true; /* no step at all */
+  return dt < hc_time_step_floor(settings) && dt < 0.5 * (settings->end_time - time);
 }
 
 const char *hc_step_bound_name(hc_step_bound bound) {

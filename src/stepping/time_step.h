@@ -19,6 +19,7 @@ typedef enum hc_step_bound {
 typedef struct hc_step_settings {
   hc_step_control control;
   double size, max, factor;       /* s, s, 1 */
+  double min;                     /* s: the floor; 0 = 1e-5 of the largest step */
   double spacing, support_radius; /* m */
   double viscosity;               /* m2/s, 0 = no viscous bound */
   double end_time;                /* s */
@@ -28,6 +29,14 @@ typedef struct hc_step_settings {
  * force_max are read. The same on every rank if the arguments are. Local. */
 double hc_time_step_next(const hc_step_settings *settings, double time, double dt_before,
                          const hc_step_report *report, hc_step_bound *bound);
+
+/* The largest step that the viscosity allows, s; INFINITY without one. Local. */
+double hc_time_step_viscous_bound(const hc_step_settings *settings);
+
+/* The floor, s; and whether a step is below it, though the end of the run does not ask for one so short.
+ * Local. */
+double hc_time_step_floor(const hc_step_settings *settings);
+bool hc_time_step_too_small(const hc_step_settings *settings, double time, double dt);
 
 const char *hc_step_bound_name(hc_step_bound bound);
 

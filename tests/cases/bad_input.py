@@ -127,6 +127,20 @@ SCENES = {
                              "fluid.blocks[0]", "rock"),
     "step bounds": (added("time_step: {control: constant, size: 1, max: 0.1}"), "4:38", "time_step.size must be <= "
                     "time_step.max, not 1 > 0.1"),
+    "limits turned round": (added("domain: {limits: {min: [0, 0, 0], max: [1, -1, 1]}}"), "4:40", "domain.limits.max must be > "
+                            "domain.limits.min along y, not -1 <= 0"),
+    "half of the limits": (added("domain: {limits: {max: [1, 1, 1]}}"), "missing key 'domain.limits.min', required with"),
+    "fluid beyond the limits": (added("domain: {limits: {min: [-1, -1, -1], max: [1, 0.2, 1]}}"), "fluid.blocks[0]",
+                                "must lie within domain.limits along y"),
+    "limits that are words": (added("domain: {limits: {min: [a, 0, 0], max: [1, 1, 1]}}"), "4:25", "must be a number, not 'a'"),
+    "another leaving": (added("domain: {leaving: ignore}"), "4:19", "one of error, remove", "not 'ignore'"),
+    "negative floor": (added("time_step: {min: -1}"), "4:18", "time_step.min must be >= 0, not '-1'"),
+    "floor above the largest step": (added("time_step: {min: 1}"), "4:18", "time_step.min must be <= time_step.max, not 1 > "
+                                     "0.004"),
+    "floor above the constant step": (added("time_step: {control: constant, size: 0.001, min: 0.002}"), "4:50",
+                                      "time_step.min must be <= time_step.size, not 0.002 > 0.001"),
+    "negative fault": (added("faults: {nan_at: -1}"), "4:18", "faults.nan_at must be >= 0"),
+    "unknown fault": (added("faults: {nan: 1}"), "4:10", "unknown key 'faults.nan'"),
     "gauge outside": (added(f"boundary: {{walls: [{{{WALL}}}]}}\noutput: {{gauges: [{{name: a, type: height, at: [5, 0]}}]}}"),
                       "gauge a measures nothing", "along x it is at 5"),
     "gauge off its wall": (added(f"boundary: {{walls: [{{name: bed, {WALL}}}]}}\noutput: {{gauges: [{{name: a, type: "

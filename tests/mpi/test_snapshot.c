@@ -12,6 +12,7 @@
 #include <dirent.h>
 #include <ftw.h>
 #include <hdf5.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mount.h>
@@ -324,6 +325,49 @@ START_TEST(a_size_limit_is_an_error) {
 }
 END_TEST
 
+/* The moment of a fault, with values that are no numbers: read back, and no part of the series. */
+START_TEST(a_fault_has_a_snapshot_of_its_own) {
+  share(&fluid, HC_ID_FLUID, 500, owner_scattered);
+  for (int32_t k = 0; k < fluid.own; k++) fluid.density[k] = NAN;
+  const hc_snapshot snapshot = {&scene, &frame, &fluid, &boundary, 42, 0.125, 1.0 / 1024, 0.5};
+  hc_error error = {.status = HC_OK};
+  ck_assert_msg(hc_snapshot_write_fault(&comm, &snapshot, directory, &error) == HC_OK, "%s", error.text);
+  hc_comm_barrier(&comm);
+  char path[128];
+  snprintf(path, sizeof path, "%s/snapshots/run.hdf.series", directory);
+  ck_assert_int_ne(access(path, F_OK), 0);
+  if (comm.rank != 0) return;
+  hc_snapshot_file file;
+  snprintf(path, sizeof path, "%s/snapshots/fault_000042.hdf", directory);
+  ck_assert_msg(hc_snapshot_read_open(path, &file, &error) == HC_OK, "%s", error.text);
+  ck_assert_int_eq(file.facts.particles, 500);
+  hc_snapshot_read_close(&file);
+}
+END_TEST
+
+#ifndef __SANITIZE_ADDRESS__ /* which does not bear it */
+START_TEST(short_memory_is_an_error) {
+  share(&fluid, HC_ID_FLUID, 5000, owner_scattered);
+  struct rlimit old, tight;
+  ck_assert_int_eq(getrlimit(RLIMIT_AS, &old), 0);
+  tight = old;
+  long pages = 0;
+  FILE *file = fopen("/proc/self/statm", "r");
+  ck_assert(file && fscanf(file, "%ld", &pages) == 1);
+  fclose(file);
+  if (comm.rank == comm.size - 1) /* one rank is enough */
+    tight.rlim_cur = (rlim_t)pages * (rlim_t)sysconf(_SC_PAGESIZE) + (32 << 20);
+  setrlimit(RLIMIT_AS, &tight);
+  hc_error error;
+  const hc_status status = write_snapshot(0, &error);
+  setrlimit(RLIMIT_AS, &old);
+  ck_assert_int_eq(status, HC_FAILED);
+  ck_assert_msg(strstr(error.text, "out of memory: writing"), "%s", error.text);
+  write_good(0); /* and the program goes on */
+}
+END_TEST
+#endif
+
 /* On a tiny file system of memory, if we may mount one. */
 START_TEST(a_full_disk_is_an_error) {
   int64_t mounted = comm.rank == 0 && mount("none", directory, "tmpfs", 0, "size=400k,nr_inodes=20") == 0;
@@ -375,6 +419,10 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, an_unknown_field_is_told_to_all);
   tcase_add_test(tests, a_size_limit_is_an_error);
   tcase_add_test(tests, a_full_disk_is_an_error);
+  tcase_add_test(tests, a_fault_has_a_snapshot_of_its_own);
+#ifndef __SANITIZE_ADDRESS__
+  tcase_add_test(tests, short_memory_is_an_error);
+#endif
   tcase_add_test(tests, a_run_directory_is_agreed);
   return run_mpi_tests("snapshot", tests);
 }

@@ -273,6 +273,7 @@ START_TEST(force_removes_the_runs_own_files_only) {
                                     "snapshots/snap_000000.hdf",
                                     "snapshots/snap_1000000.hdf",
                                     "snapshots/.snap_000003.hdf.tmp",
+                                    "snapshots/fault_000012.hdf",
                                     "snapshots/run.hdf.series",
                                     "checkpoints/ckpt_00000010.h5"};
   static const char *const others[] = {

@@ -238,6 +238,37 @@ START_TEST(packed_particles_come_back_elsewhere) {
 }
 END_TEST
 
+START_TEST(removed_particles_leave_no_gaps) {
+  /* here and there; the last; the first */
+  static const int32_t gone[][7] = {
+      {0, 5, 6, 7, 46, 48, 49}, {43, 44, 45, 46, 47, 48, 49}, {0, 1, 2, 3, 4, 5, 6}};
+  for (int k = 0; k < 2; k++)
+    for (int c = 0; c < 3; c++)
+      for (int32_t count = 0; count <= 7; count += 7) {
+        hc_particles particles;
+        hc_particles_init(&particles, kinds[k]);
+        hc_particles_resize(&particles, 50);
+        fill_all(&particles, 0, 50);
+        hc_particles_remove(&particles, gone[c], count);
+        ck_assert_int_eq(particles.own, 50 - count);
+        bool seen[50] = {false};
+        for (int32_t i = 0; i < particles.own; i++)
+          for (uint64_t was = 0; was < 50; was++) {
+            bool same = true;
+            for (int field = 0; field < HC_FIELD_COUNT && same; field++)
+              if (is_state(kinds[k], field)) same = holds(&particles, field, i, was);
+            seen[was] |= same;
+          }
+        for (int32_t was = 0; was < 50; was++) {
+          bool taken = false;
+          for (int32_t g = 0; g < count; g++) taken |= gone[c][g] == was;
+          ck_assert(seen[was] == !taken);
+        }
+        hc_particles_free(&particles);
+      }
+}
+END_TEST
+
 START_TEST(scratch_has_room_for_every_own_particle) {
   hc_particles particles;
   hc_particles_init(&particles, HC_FLUID);
@@ -273,6 +304,7 @@ int main(void) {
   tcase_add_test(cases, spare_elements_can_be_read);
   tcase_add_test(cases, permuting_moves_all_of_a_particle);
   tcase_add_test(cases, packed_particles_come_back_elsewhere);
+  tcase_add_test(cases, removed_particles_leave_no_gaps);
   tcase_add_test(cases, scratch_has_room_for_every_own_particle);
   tcase_add_test(cases, ids_keep_their_parts_apart);
   suite_add_tcase(suite, cases);

@@ -97,16 +97,18 @@ START_TEST(test_defaults) {
       "gravity: [0, 0, -9.81]\n"
       "end_time: 2\n"
       "origin_cells: [0, 0, 0]\n"
-      "domain: {periodic: [false, false, false], min: [0, 0, 0], max: [0, 0, 0]}\n"
+      "domain: {periodic: [false, false, false], min: [0, 0, 0], max: [0, 0, 0],\n"
+      "         limits: {min: [0, 0, 0], max: [0, 0, 0]}, leaving: error}\n"
       "fluid: {rest_density: 1000, viscosity: {model: xsph, coefficient: 0.02, sound_speed: 0},\n"
       "        mass_factor: 1, blocks: []}\n"
       "boundary: {method: akinci2012, volume_factor: computed, walls: []}\n"
       "solver: {method: dfsph, density_error_avg: 0.0001, divergence_error: 0.001,\n"
       "         density_iterations: {min: 2, max: 100}, divergence_iterations: {min: 3, max: 100},\n"
       "         warm_start: 0.5, min_divergence_neighbors: 20, negative_pressure: false}\n"
-      "time_step: {control: cfl, factor: 0.4, max: 0.004}\n"
+      "time_step: {control: cfl, factor: 0.4, max: 0.004, min: 0}\n"
       "output: {snapshots: {every: 0.05, fields: [velocity, density, pressure]}}\n"
-      "parallel: {decomposition: slabs, rebalance: slabs, rebalance_above: 1.1, rebalance_at: 0}\n";
+      "parallel: {decomposition: slabs, rebalance: slabs, rebalance_above: 1.1, rebalance_at: 0}\n"
+      "faults: {nan_at: 0, kick_at: 0}\n";
   hc_scene scene = read_good(SMALLEST, NULL), same = read_good(spelled_out, NULL);
   expect_same(&scene, &same);
   ck_assert_double_eq(scene.support_radius, 0.04);
@@ -151,7 +153,7 @@ static const char full[] =
     "solver: {density_error_avg: 2e-5, divergence_error: 3e-4, density_iterations: {min: 4, max: 4},\n"
     "  divergence_iterations: {min: 0, max: 1}, warm_start: 1, min_divergence_neighbors: 0,\n"
     "  negative_pressure: true}\n"
-    "time_step: {control: constant, size: 1e-4, factor: 0.3, max: 1}\n"
+    "time_step: {control: constant, size: 1e-4, factor: 0.3, max: 1, min: 1e-4}\n"
     "output:\n"
     "  snapshots: {every: 0, fields: [id]}\n"
     "  gauges_every: 0.25\n"
@@ -164,7 +166,8 @@ static const char full[] =
     "  - {name: f, type: force, wall: wall_0, at: [1, 0, 0]}\n"
     "  - {name: g, type: energy, box: {min: [0, 0, 1], max: [2, 1, 1]}}\n"
     "  - {name: h, type: volume}\n"
-    "parallel: {rebalance: none, rebalance_above: 1, rebalance_at: 12}\n";
+    "parallel: {rebalance: none, rebalance_above: 1, rebalance_at: 12}\n"
+    "faults: {nan_at: 7, kick_at: 8}\n";
 
 START_TEST(test_values) {
   hc_scene scene = read_good(full, NULL);
@@ -201,6 +204,9 @@ START_TEST(test_values) {
   ck_assert_double_eq(walls[6].rotation.angle, 90.0);
   ck_assert_double_eq(walls[6].rotation.axis[2], 1.0);
   ck_assert_int_eq(scene.parallel.rebalance_at, 12);
+  ck_assert_int_eq(scene.faults.nan_at, 7);
+  ck_assert_int_eq(scene.faults.kick_at, 8);
+  ck_assert_double_eq(scene.time_step.min, 1e-4);
   hc_scene_free(&scene);
 }
 END_TEST

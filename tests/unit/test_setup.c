@@ -1,6 +1,7 @@
 /* From scene to frame and particles: exact integers, the same set for any number of ranks, clear refusals. */
 #include "base/memory.h"
 #include "setup/flow.h"
+#include "setup/limits.h"
 #include "setup/populate.h"
 #include "setup/rest_lattice.h"
 #include "setup/world_frame.h"
@@ -501,6 +502,51 @@ START_TEST(rest_lattice_matches_the_methods) {
 }
 END_TEST
 
+/* A tank of 1 x 0.5 x 0.5 m: samples half a spacing outside. */
+START_TEST(limits_are_computed_or_given) {
+  hc_block block = {.box = {{0, 0, 0}, {0.4, 0.4, 0.4}}};
+  hc_wall wall = {.box = {{0, 0, 0}, {1, 0.5, 0.5}}};
+  hc_scene scene = plain_scene();
+  scene.gravity[2] = -9.81;
+  scene.origin_cells[0] = 1000;
+  scene.fluid.blocks = &block;
+  scene.fluid.block_count = 1;
+  scene.boundary.walls = &wall;
+  scene.boundary.wall_count = 1;
+  hc_setup_plan plan = plan_of(&scene);
+  hc_limits limits;
+  hc_error error = {0};
+  ck_assert_int_eq(hc_setup_limits(&scene, &plan, &limits, &error), HC_OK);
+  const double low[3] = {-1.03, -1.03, -1.03}, high[3] = {2.03, 1.53, 0.51 + 4 * 1.02};
+  for (int a = 0; a < 3; a++) {
+    ck_assert_double_eq_tol(hc_limits_low(&limits, &plan.frame, a), low[a], 1e-6);
+    ck_assert_double_eq_tol(hc_limits_high(&limits, &plan.frame, a), high[a], 1e-6);
+  }
+  const int64_t corner[3] = {limits.low[0], limits.high[1], limits.high[2]};
+  const int64_t beyond[3] = {limits.low[0], limits.high[1] + 1, limits.high[2]};
+  ck_assert(hc_limits_hold(&limits, corner) && !hc_limits_hold(&limits, beyond));
+
+  scene.domain.limits_min[2] = -0.25; /* along z only */
+  scene.domain.limits_max[2] = 0.5;
+  ck_assert_int_eq(hc_setup_limits(&scene, &plan, &limits, &error), HC_OK);
+  ck_assert_double_eq_tol(hc_limits_low(&limits, &plan.frame, 2), -0.25, 1e-6);
+  ck_assert_double_eq_tol(hc_limits_high(&limits, &plan.frame, 0), high[0], 1e-6);
+  scene.domain.limits_max[2] = 0.3;
+  ck_assert_int_eq(hc_setup_limits(&scene, &plan, &limits, &error), HC_BAD_INPUT);
+  ck_assert_msg(strstr(error.text, "fluid.blocks[0]: must lie within domain.limits along z"), "%s",
+                error.text);
+  hc_setup_plan_free(&plan);
+
+  scene.domain.limits_max[2] = 0.5;
+  scene.boundary.wall_count = 0; /* nothing holds the fluid: no limits but those given */
+  plan = plan_of(&scene);
+  ck_assert_int_eq(hc_setup_limits(&scene, &plan, &limits, &error), HC_OK);
+  ck_assert(isinf(hc_limits_low(&limits, &plan.frame, 0)) && isinf(hc_limits_high(&limits, &plan.frame, 1)));
+  ck_assert(!isinf(hc_limits_low(&limits, &plan.frame, 2)));
+  hc_setup_plan_free(&plan);
+}
+END_TEST
+
 int main(void) {
   Suite *const suite = suite_create("setup");
   TCase *const cases = tcase_create("frame and particles");
@@ -520,6 +566,7 @@ int main(void) {
   tcase_add_test(cases, plans_that_cannot_be_are_refused);
   tcase_add_test(cases, too_many_particles_for_a_rank_are_refused);
   tcase_add_test(cases, shares_tile_the_range);
+  tcase_add_test(cases, limits_are_computed_or_given);
   tcase_add_test(cases, flow_agrees_with_the_library_everywhere);
   tcase_add_test(cases, standing_wave_agrees_with_the_library);
   tcase_add_test(cases, rest_lattice_matches_the_methods);

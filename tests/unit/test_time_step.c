@@ -121,6 +121,21 @@ START_TEST(the_end_is_not_overstepped) {
 }
 END_TEST
 
+START_TEST(steps_have_a_floor) {
+  hc_step_settings settings = usual;
+  ck_assert(hc_time_step_floor(&settings) == 1e-5 * 0.004);
+  ck_assert(!hc_time_step_too_small(&settings, 0.0, 4.1e-8) &&
+            hc_time_step_too_small(&settings, 0.0, 3.9e-8));
+  ck_assert(!hc_time_step_too_small(&settings, 100.0 - 1e-9, 1e-9)); /* the end asks for it */
+  ck_assert(!hc_time_step_too_small(&settings, 100.0 - 2e-9, 0.5 * (100.0 - (100.0 - 2e-9))));
+  ck_assert(hc_time_step_too_small(&settings, 0.0, 0.0) && hc_time_step_too_small(&settings, 0.0, NAN));
+  settings.control = HC_STEP_CONSTANT;
+  ck_assert(hc_time_step_floor(&settings) == 1e-5 * 0.007);
+  settings.min = 1e-3;
+  ck_assert(hc_time_step_too_small(&settings, 0.0, 0.9e-3) && !hc_time_step_too_small(&settings, 0.0, 1e-3));
+}
+END_TEST
+
 START_TEST(every_bound_has_a_name) {
   for (int bound = HC_BOUND_SIZE; bound <= HC_BOUND_END; bound++) {
     ck_assert(hc_step_bound_name((hc_step_bound)bound)[0] != 0);
@@ -142,6 +157,7 @@ int main(void) {
   tcase_add_test(cases, the_first_step_is_short);
   tcase_add_test(cases, a_run_ends_on_time);
   tcase_add_test(cases, the_end_is_not_overstepped);
+  tcase_add_test(cases, steps_have_a_floor);
   tcase_add_test(cases, every_bound_has_a_name);
   suite_add_tcase(suite, cases);
   SRunner *const runner = srunner_create(suite);
