@@ -164,11 +164,13 @@ static bool by_step(const failure *f, char *text, size_t size) {
 
 static bool by_cap(const failure *f, char *text, size_t size) {
   const hc_simulation *simulation = f->simulation;
-  if (simulation->capped_at == 0 || simulation->step + 1 - simulation->capped_at >= RECENT) return false;
+  const int64_t failed = simulation->step + 1;
+  const int64_t capped = simulation->report.density_capped ? failed : simulation->capped_at;
+  if (capped == 0 || failed - capped >= RECENT) return false;
   snprintf(text, size,
            "the density solver was at its cap of %d iterations in step %lld: the pressure did not converge; "
            "lower the time step (time_step.%s) or raise solver.density_iterations.max",
-           simulation->solver_settings.density_max, (long long)simulation->capped_at,
+           simulation->solver_settings.density_max, (long long)capped,
            simulation->step_settings.control == HC_STEP_CONSTANT ? "size" : "max");
   return true;
 }

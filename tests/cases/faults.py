@@ -35,6 +35,8 @@ FAULTS = {
     "too viscous for a constant step": (["fluid.viscosity={model: laminar, coefficient: 100}",
                                          "time_step={control: constant, size: 0.004}"], None, "diverged",
                                         "the viscosity allows time steps of 3.13e-06 s"),
+    "a solver at its cap": (["solver.negative_pressure=true", "solver.density_iterations.max=20"], 1,
+                            "more than a support radius", "the density solver was at its cap of 20 iterations in step 1"),
     "a wall missing": (["boundary.walls[0].open=[+z, -z]", "domain.limits={min: [-1, -1, -0.3], max: [3, 2, 3]}"], None,
                        "has left the world's limits", "likely cause: it is outside the walls", "domain.leaving: remove"),
 }
