@@ -278,7 +278,7 @@ static hc_status summarize(run *run, hc_error *error) {
   hc_stopwatch_enter(&world->watch, HC_STAGE_OUTPUT);
   const double waited = run->comm->wait_seconds;
   int64_t sums[2] = {run->comm->bytes_sent, run->comm->messages_sent};
-  const int64_t reductions = run->comm->reductions;
+  const hc_comm counts = *run->comm; /* before what follows adds to them */
   hc_timings_stage stages[HC_STAGE_COUNT + 1];
   for (int stage = 0; stage < HC_STAGE_COUNT; stage++)
     stages[stage] =
@@ -294,7 +294,11 @@ static hc_status summarize(run *run, hc_error *error) {
                               .simulated_seconds = simulation->time,
                               .halo_bytes = sums[0],
                               .messages = sums[1],
-                              .reductions = reductions,
+                              .sparse_exchanges = counts.sparse_exchanges,
+                              .reductions = counts.reductions,
+                              .other_collectives = counts.other_collectives,
+                              .gathered_bytes = counts.gathered_bytes,
+                              .ghosts = spread(run->comm, world->fluid.ghosts + world->boundary.ghosts),
                               .memory_bytes = spread(run->comm, (double)hc_memory_peak()),
                               .stages = stages,
                               .stage_count = HC_STAGE_COUNT + 1};
