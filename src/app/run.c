@@ -299,6 +299,7 @@ static hc_status summarize(run *run, hc_error *error) {
                               .other_collectives = counts.other_collectives,
                               .gathered_bytes = counts.gathered_bytes,
                               .ghosts = spread(run->comm, world->fluid.ghosts + world->boundary.ghosts),
+                              .private_bytes = spread(run->comm, (double)hc_memory_private()),
                               .memory_bytes = spread(run->comm, (double)hc_memory_peak()),
                               .stages = stages,
                               .stage_count = HC_STAGE_COUNT + 1};

@@ -46,6 +46,8 @@ hc_status hc_timings_write(const hc_timings *timings, const char *directory, hc_
   fprintf(stream, "  ");
   put_spread(stream, "ghosts_per_rank", &timings->ghosts);
   fprintf(stream, ",\n  ");
+  put_spread(stream, "private_bytes_per_rank", &timings->private_bytes);
+  fprintf(stream, ",\n  ");
   put_spread(stream, "memory_bytes_per_rank", &timings->memory_bytes);
   fprintf(stream, ",\n  \"seconds_per_rank\": {");
   for (int k = 0; k < timings->stage_count; k++) {

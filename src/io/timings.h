@@ -27,6 +27,7 @@ typedef struct hc_timings {
   int64_t sparse_exchanges, reductions;      /* of one rank, as all take part; likewise */
   int64_t other_collectives, gathered_bytes; /* likewise */
   hc_timings_spread ghosts;                  /* at the end */
+  hc_timings_spread private_bytes;           /* resident at the end, without files and what processes share */
   hc_timings_spread memory_bytes;            /* high-water mark of resident memory */
   const hc_timings_stage *stages;
   int stage_count;
