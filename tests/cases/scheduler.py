@@ -118,12 +118,14 @@ class Scheduler:
     def fail(self, text):
         raise c.CaseFailed(f"{self.folder.name}: {text}\n{self.text()[-5000:]}")
 
-    def run(self, arguments, ends=(), most=8):
-        """Attempts until the job stays out of the queue; the exit code of the script, None if it was killed."""
+    def run(self, arguments, ends=(), limits=(), most=8):
+        """Attempts until the job stays out of the queue; the exit code of the script. `limits`: of the first ones."""
         for option in ("--requeue", "--open-mode", "--signal"):
             c.expect(option in self.directives, f"{SCRIPT.name} has no {option}")
+        usual = self.limit
         for attempt in range(most):
             self.attempts += 1
+            self.limit = limits[attempt] if attempt < len(limits) else usual
             code, again = self.attempt(attempt, arguments, ends[attempt] if attempt < len(ends) else "limit")
             if not again:
                 return code
@@ -284,8 +286,8 @@ def the_program(case, steps):
         return "a bad scene ends the job; this program cannot be restarted"
     settings = ["--set", "particle_spacing=0.025", "--set", "support_radius=0.05", "--steps", steps or 400]
     arguments = [c.SOURCE / "scenes/dam_break.yaml", "out", "--quiet", *settings]
-    job = Scheduler(case, "the_program", case.halocline, 8, 5)
-    code = job.run(arguments, ends=["limit", "node_failure"], most=20)
+    job = Scheduler(case, "the_program", case.halocline, 300, 5)
+    code = job.run(arguments, ends=["limit", "node_failure"], limits=[7, 6])
     expect(job, code == 0, f"ended with {code} after {job.attempts} jobs")
     expect(job, job.attempts >= 2, "the run was done before the first signal")
     whole = case.run("scenes/dam_break.yaml", "whole", RANKS, options=settings)
