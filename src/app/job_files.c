@@ -130,7 +130,7 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
   hc_stopwatch_enter(&world->watch, HC_STAGE_OUTPUT);
   const double waited = job->comm->wait_seconds;
   int64_t sums[2] = {job->comm->bytes_sent, job->comm->messages_sent};
-  const int64_t reductions = job->comm->reductions;
+  const hc_comm counts = *job->comm; /* before what follows adds to them */
   hc_timings_stage stages[HC_STAGE_COUNT + 1];
   for (int stage = 0; stage < HC_STAGE_COUNT; stage++)
     stages[stage] =
@@ -146,7 +146,12 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
                               .simulated_seconds = simulation->time,
                               .halo_bytes = sums[0],
                               .messages = sums[1],
-                              .reductions = reductions,
+                              .sparse_exchanges = counts.sparse_exchanges,
+                              .reductions = counts.reductions,
+                              .other_collectives = counts.other_collectives,
+                              .gathered_bytes = counts.gathered_bytes,
+                              .ghosts = spread(job->comm, world->fluid.ghosts + world->boundary.ghosts),
+                              .private_bytes = spread(job->comm, (double)hc_memory_private()),
                               .memory_bytes = spread(job->comm, (double)hc_memory_peak()),
                               .stages = stages,
                               .stage_count = HC_STAGE_COUNT + 1};

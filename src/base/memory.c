@@ -3,6 +3,7 @@
 #include "check.h"
 #include "halocline/error.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -68,13 +69,23 @@ bool hc_memory_has(size_t bytes) {
   return probe != NULL;
 }
 
-size_t hc_memory_now(void) {
+/* Pages of this process: resident, and those of them that have a file or are shared. */
+static bool read_pages(size_t *resident, size_t *shared) {
   FILE *file = fopen("/proc/self/statm", "r");
-  if (!file) return 0;
-  unsigned long total = 0, resident = 0;
-  const int read = fscanf(file, "%lu %lu", &total, &resident);
+  if (!file) return false;
+  const int read = fscanf(file, "%*u %zu %zu", resident, shared);
   fclose(file);
-  return read == 2 ? (size_t)resident * (size_t)sysconf(_SC_PAGESIZE) : 0;
+  return read == 2;
+}
+
+size_t hc_memory_now(void) {
+  size_t resident, shared;
+  return read_pages(&resident, &shared) ? resident * (size_t)sysconf(_SC_PAGESIZE) : 0;
+}
+
+size_t hc_memory_private(void) {
+  size_t resident, shared;
+  return read_pages(&resident, &shared) ? (resident - shared) * (size_t)sysconf(_SC_PAGESIZE) : 0;
 }
 
 size_t hc_memory_peak(void) {

@@ -31,4 +31,8 @@ bool hc_memory_has(size_t bytes);
 size_t hc_memory_now(void);
 size_t hc_memory_peak(void);
 
+/* Resident now and this process's alone: neither files, such as the program, nor memory shared between
+ * processes, such as MPI's within a machine. */
+size_t hc_memory_private(void);
+
 #endif

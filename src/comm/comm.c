@@ -117,12 +117,14 @@ hc_status hc_comm_agree(hc_comm *comm, hc_error *error) {
 void hc_comm_barrier(hc_comm *comm) {
   const double start = hc_seconds();
   CHECK_MPI(MPI_Barrier(comm->mpi));
+  comm->other_collectives++;
   comm->wait_seconds += hc_seconds() - start;
 }
 
 void hc_comm_broadcast(hc_comm *comm, void *data, size_t bytes, int root) {
   const double start = hc_seconds();
   CHECK_MPI(MPI_Bcast(data, as_count(bytes), MPI_BYTE, root, comm->mpi));
+  comm->other_collectives++;
   comm->wait_seconds += hc_seconds() - start;
 }
 
@@ -159,6 +161,7 @@ void hc_comm_sum_exact(hc_comm *comm, hc_sum *sums, int count) {
 int64_t hc_comm_prefix_i64(hc_comm *comm, int64_t value) {
   int64_t sum = 0;
   CHECK_MPI(MPI_Exscan(&value, &sum, 1, MPI_INT64_T, MPI_SUM, comm->mpi));
+  comm->other_collectives++;
   return comm->rank == 0 ? 0 : sum;
 }
 
@@ -177,12 +180,16 @@ void hc_comm_gather_all(hc_comm *comm, const void *mine, size_t bytes, void **al
   CHECK_MPI(MPI_Allgatherv(mine, count, MPI_BYTE, *all, counts, places, MPI_BYTE, comm->mpi));
   hc_free(counts);
   hc_free(places);
+  comm->other_collectives += 2;
+  comm->gathered_bytes += (int64_t)(*total + ranks * sizeof count);
   comm->wait_seconds += hc_seconds() - start;
 }
 
 void hc_comm_gather_all_f64(hc_comm *comm, const double *mine, int count, double *all) {
   const double start = hc_seconds();
   CHECK_MPI(MPI_Allgather(mine, count, MPI_DOUBLE, all, count, MPI_DOUBLE, comm->mpi));
+  comm->other_collectives++;
+  comm->gathered_bytes += (int64_t)((size_t)comm->size * (size_t)count * sizeof *all);
   comm->wait_seconds += hc_seconds() - start;
 }
 
@@ -235,6 +242,7 @@ void hc_comm_sparse(hc_comm *comm, const hc_message *out, int out_count, hc_mess
     comm->messages_sent++;
   }
   if (comm->size > 1) {
+    comm->sparse_exchanges++;
     MPI_Request barrier = MPI_REQUEST_NULL;
     for (int finished = 0; !finished;) {
       hc_message message;

@@ -15,9 +15,13 @@ typedef struct hc_comm {
   MPI_Comm mpi; /* a duplicate of our own; handed on to HDF5, to nobody else */
   int rank, size;
   bool owns_mpi;
-  int sparse_parity;   /* alternates the tag of successive sparse exchanges */
-  double wait_seconds; /* time spent in this room since the start, for timings.json */
-  int64_t bytes_sent, messages_sent, reductions;
+  int sparse_parity;                 /* alternates the tag of successive sparse exchanges */
+  double wait_seconds;               /* time spent in this room since the start, for timings.json */
+  int64_t bytes_sent, messages_sent; /* point to point, those of sparse exchanges included */
+  int64_t sparse_exchanges;          /* each with a barrier of all ranks */
+  int64_t reductions;                /* to all ranks */
+  int64_t other_collectives;         /* broadcasts, gathers, prefix sums, barriers */
+  int64_t gathered_bytes;            /* that gathers brought here, from all ranks */
 } hc_comm;
 
 /* Starts MPI if nobody has, and duplicates the world. hc_comm_finish frees it, and ends MPI if we started it.

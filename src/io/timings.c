@@ -39,8 +39,15 @@ hc_status hc_timings_write(const hc_timings *timings, const char *directory, hc_
   put_number(stream, "ns_per_particle_step", 1e9 * timings->wall_seconds / timings->particle_steps);
   put_integer(stream, "halo_bytes", timings->halo_bytes);
   put_integer(stream, "messages", timings->messages);
+  put_integer(stream, "sparse_exchanges", timings->sparse_exchanges);
   put_integer(stream, "reductions", timings->reductions);
+  put_integer(stream, "other_collectives", timings->other_collectives);
+  put_integer(stream, "gathered_bytes", timings->gathered_bytes);
   fprintf(stream, "  ");
+  put_spread(stream, "ghosts_per_rank", &timings->ghosts);
+  fprintf(stream, ",\n  ");
+  put_spread(stream, "private_bytes_per_rank", &timings->private_bytes);
+  fprintf(stream, ",\n  ");
   put_spread(stream, "memory_bytes_per_rank", &timings->memory_bytes);
   fprintf(stream, ",\n  \"seconds_per_rank\": {");
   for (int k = 0; k < timings->stage_count; k++) {

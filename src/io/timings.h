@@ -23,8 +23,12 @@ typedef struct hc_timings {
   double particle_steps;                       /* fluid particles summed over the steps */
   double wall_seconds;                         /* of the steps, set-up not counted */
   double simulated_seconds;
-  int64_t halo_bytes, messages, reductions; /* all ranks; reductions: of one rank */
-  hc_timings_spread memory_bytes;           /* high-water mark of resident memory */
+  int64_t halo_bytes, messages;              /* of all ranks together, set-up included */
+  int64_t sparse_exchanges, reductions;      /* of one rank, as all take part; likewise */
+  int64_t other_collectives, gathered_bytes; /* likewise */
+  hc_timings_spread ghosts;                  /* at the end */
+  hc_timings_spread private_bytes;           /* resident at the end, without files and what processes share */
+  hc_timings_spread memory_bytes;            /* high-water mark of resident memory */
   const hc_timings_stage *stages;
   int stage_count;
 } hc_timings;

@@ -1,0 +1,55 @@
+#!/usr/bin/python3
+"""Small runs under valgrind's memcheck: no read of what was never written, nothing out of bounds, no leak.
+
+What MPI and other libraries do is left out by scripts/valgrind.supp. Needs valgrind; it knows no AVX-512, so the loops
+are those of AVX2.
+"""
+
+import shlex
+import shutil
+
+import case as c
+
+WRONG = 99
+OPTIONS = ("--quiet", f"--error-exitcode={WRONG}", "--leak-check=full", "--show-leak-kinds=definite,indirect",
+           "--errors-for-leak-kinds=definite,indirect", "--track-origins=yes", "--num-callers=30",
+           "--keep-debuginfo=yes",  # MPI unloads libraries before the end
+           f"--suppressions={c.SOURCE / 'scripts/valgrind.supp'}")
+SMALL = ("particle_spacing=0.1", "support_radius=0.2", "output.snapshots.every=0.004")
+
+
+def memcheck(case, ranks, arguments):
+    valgrind = shutil.which("valgrind")
+    c.expect(valgrind, "valgrind is not installed (apt-get install valgrind)")
+    watched = c.Case(valgrind, shlex.join(case.mpiexec), case.folder)
+    watched.call([*OPTIONS, case.halocline, *arguments], ranks, environment={"HALOCLINE_ISA": "avx2"})
+
+
+def run(case, ranks, scene, settings, steps):
+    output = case.folder / f"run_{ranks}"
+    arguments = ["run", c.SOURCE / scene, "-o", output, "--quiet", "--steps", steps]
+    for setting in settings:
+        arguments += ["--set", setting]
+    memcheck(case, ranks, arguments)
+    return c.snapshots(output)
+
+
+def one_rank(case, steps):
+    """A run, and the commands that look at it."""
+    found = run(case, 1, "scenes/dam_break.yaml", SMALL, steps or 4)
+    c.expect(len(found) >= 2, f"the run wrote {len(found)} snapshots")
+    memcheck(case, 1, ["check", c.SOURCE / "scenes/dam_break.yaml"])
+    memcheck(case, 1, ["info", found[-1]])
+    memcheck(case, 1, ["diff", found[-1], found[-1]])
+    return "a run, check, info and diff are clean"
+
+
+def two_ranks(case, steps):
+    """Ghosts, a rebalance and every kind of gauge."""
+    steps = steps or 4
+    run(case, 2, "tests/cases/gauges.yaml", (f"parallel.rebalance_at={steps // 2}",), steps)
+    return "a run on 2 ranks is clean"
+
+
+if __name__ == "__main__":
+    c.main(__doc__, {"one_rank": one_rank, "two_ranks": two_ranks})
