@@ -59,6 +59,18 @@ static void reserve(hc_shared_file *file, int64_t bytes) {
                  file->final, (long long)bytes, (long long)free_bytes);
 }
 
+/* Every rank: the file that rank 0 has made must be there for all before they open it together. */
+static void check_shared(const hc_shared_file *file) {
+  char host[256] = "this machine";
+  if (access(file->temporary, W_OK) == 0) return;
+  gethostname(host, sizeof host - 1);
+  hc_error_set(
+      file->problem, HC_IO_FAILED,
+      "rank %d on %s cannot write %s, which rank 0 has made: %s; the output directory must be on a file "
+      "system that all machines share",
+      file->comm->rank, host, file->temporary, strerror(errno));
+}
+
 static void create_shared(hc_shared_file *file, int user_block) {
   const hid_t access = H5Pcreate(H5P_FILE_ACCESS), creation = H5Pcreate(H5P_FILE_CREATE);
   if (access < 0 || creation < 0 || H5Pset_fapl_mpio(access, file->comm->mpi, MPI_INFO_NULL) < 0 ||
@@ -82,6 +94,8 @@ hc_status hc_shared_file_open(hc_shared_file *file, hc_comm *comm, const char *d
   if (problem->status == HC_OK) check_memory(file);
   if (problem->status == HC_OK && comm->rank == 0) create_temporary(file);
   if (file->reserved >= 0) reserve(file, bytes);
+  if (hc_comm_agree(comm, problem) != HC_OK) return problem->status;
+  check_shared(file);
   if (hc_comm_agree(comm, problem) != HC_OK) return problem->status;
   create_shared(file, user_block); /* empties it: reserve once more */
   if (comm->rank == 0 && problem->status == HC_OK) reserve(file, bytes);

@@ -36,7 +36,8 @@ typedef struct hc_snapshot {
 
 /* Writes DIRECTORY/snapshots/snap_NNNNNN.hdf (NNNNNN = number) and the new snapshots/run.hdf.series.
  * Collective; every rank returns the same. Transient memory: about 20 MiB, whatever the number of particles.
- * On failure nothing appears under the final name and the temporary is removed.
+ * On failure nothing appears under the final name and the temporary is removed; only if run.hdf.series cannot
+ * be written is the snapshot there without an entry in it.
  * HC_IO_FAILED: the disk is full, the directory not writable. HC_BAD_INPUT: a requested field does not exist.
  */
 hc_status hc_snapshot_write(hc_comm *comm, const hc_snapshot *snapshot, const char *directory, int number,
