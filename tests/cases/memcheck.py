@@ -51,5 +51,17 @@ def two_ranks(case, steps):
     return "a run on 2 ranks is clean"
 
 
+def restart(case, steps):
+    """A run that goes on from a checkpoint."""
+    steps = steps or 4
+    run(case, 2, "tests/cases/gauges.yaml", (), steps)
+    memcheck(case, 2, ["run", c.SOURCE / "tests/cases/gauges.yaml", "-o", case.folder / "run_2", "--quiet", "--restart",
+                       "--steps", steps + 3])
+    found = sorted((case.folder / "run_2/checkpoints").glob("ckpt_*.h5"))
+    c.expect(len(found) == 2, f"checkpoints: {found}")
+    memcheck(case, 1, ["info", found[-1]])
+    return "a restart on 2 ranks is clean"
+
+
 if __name__ == "__main__":
-    c.main(__doc__, {"one_rank": one_rank, "two_ranks": two_ranks})
+    c.main(__doc__, {"one_rank": one_rank, "two_ranks": two_ranks, "restart": restart})
