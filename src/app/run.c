@@ -34,7 +34,7 @@ typedef struct run {
   double *gauge_values;
   int snapshots;      /* written so far */
   int64_t gauge_rows; /* likewise */
-  int64_t density_caps, divergence_caps, contacts, rebalances, compressed_steps;
+  int64_t density_caps, divergence_caps, contacts, compressed_steps;
   double shortest_step, longest_step; /* s */
   double particle_steps;              /* fluid particles summed over the steps */
   double started;                     /* wall clock, when the steps began */
@@ -120,8 +120,9 @@ static void log_start(run *run) {
   hc_log_info(&run->log, "particles: %lld fluid of %.9g kg each (mass factor %g), %lld boundary",
               (long long)world->fluid_total, world->mass, run->scene->fluid.mass_factor,
               (long long)world->boundary_total);
-  hc_log_info(&run->log, "slabs along axis %c, imbalance %.3f", "xyz"[world->domain.axis],
-              simulation -> imbalance);
+  hc_log_info(&run->log, "%s (%s), %lld bricks of %d cells' edge, imbalance of fluid particles %.3f",
+              world->division.divider == HC_DIVIDER_METIS ? "metis" : "slabs", world->division.way,
+              (long long)world->division.bricks, 1 << world->division.bits, simulation->imbalance);
 }
 
 /* What the ranks know of a step only together. */
@@ -132,13 +133,16 @@ typedef struct load {
 
 static load measure_load(run *run, int64_t bytes_before) {
   const hc_world *world = &run->simulation.world;
-  int64_t largest[3] = {world->fluid.own, world->fluid.ghosts + world->boundary.ghosts,
+  hc_balance *balance = &run->simulation.balance;
+  const int64_t work = (int64_t)(1e9 * balance->step_work);
+  int64_t largest[3] = {work, world->fluid.ghosts + world->boundary.ghosts,
                         run->comm->bytes_sent - bytes_before};
-  int64_t total = world->fluid.own;
+  int64_t totals[2] = {world->fluid.own, work};
   hc_comm_max_i64(run->comm, largest, 3);
-  hc_comm_sum_i64(run->comm, &total, 1);
-  const double imbalance = total > 0 ? (double)largest[0] * run->comm->size / (double)total : 1.0;
-  return (load){imbalance, largest[1], largest[2], total};
+  hc_comm_sum_i64(run->comm, totals, 2);
+  const double imbalance =
+      hc_balance_note(balance, 1e-9 * (double)largest[0], 1e-9 * (double)totals[1] / run->comm->size);
+  return (load){imbalance, largest[1], largest[2], totals[0]};
 }
 
 /* Single particles of a healthy run stay within this share of the rest density. */
@@ -171,7 +175,6 @@ static void judge_step(run *run, char *event, size_t size) {
   if (run->shortest_step == 0.0 || simulation->dt < run->shortest_step) run->shortest_step = simulation->dt;
   if (simulation->dt > run->longest_step) run->longest_step = simulation->dt;
   run->contacts += report->contacts;
-  if (simulation->rebalanced) run->rebalances++;
 }
 
 static hc_status add_rows(run *run, const load *load, double wall_seconds, bool wrote_snapshot,
@@ -237,6 +240,8 @@ static hc_status run_steps(run *run, hc_error *error) {
     char event[64];
     judge_step(run, event, sizeof event);
     hc_explain_time_step(&run->explained, simulation, &run->log);
+    if (simulation->rebalanced)
+      hc_balance_log(&simulation->balance, &simulation->world, simulation->step, &run->log);
     const bool last = hc_simulation_done(simulation) || simulation->step == run->options->steps;
     const bool snapshot = snapshot_due(run, last);
     if (snapshot && write_snapshot(run, error) != HC_OK) return error->status;
@@ -295,6 +300,10 @@ static hc_status summarize(run *run, hc_error *error) {
                               .halo_bytes = sums[0],
                               .messages = sums[1],
                               .reductions = reductions,
+                              .rebalances = simulation->balance.count,
+                              .rebalance_seconds = simulation->balance.seconds,
+                              .moved_particles = simulation->balance.moved,
+                              .imbalance = hc_balance_mean_imbalance(&simulation->balance),
                               .memory_bytes = spread(run->comm, (double)hc_memory_peak()),
                               .stages = stages,
                               .stage_count = HC_STAGE_COUNT + 1};
@@ -308,9 +317,8 @@ static hc_status summarize(run *run, hc_error *error) {
               (long long)run->density_caps, (long long)run->divergence_caps, (long long)simulation->step);
   hc_log_info(&run->log, "particles held by wall contacts: %.3g a step on average",
               simulation->step > 0 ? (double)run->contacts / (double)simulation->step : 0.0);
-  hc_log_info(&run->log,
-              "rebalances: %lld; communication %.1f %% of the time; memory at its highest %.1f MiB on a rank",
-              (long long)run->rebalances,
+  hc_balance_summarize(&simulation->balance, &run->log);
+  hc_log_info(&run->log, "communication %.1f %% of the time; memory at its highest %.1f MiB on a rank",
               wall > 0.0 ? 100.0 * stages[HC_STAGE_COUNT].seconds.mean / wall : 0.0,
               timings.memory_bytes.max / 1048576.0);
   if (run->particle_steps > 0.0)

@@ -8,8 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { REBALANCE_INTERVAL = 20, LONGEST_REBALANCE_INTERVAL = 640 };
-
 static hc_isa agree_on_isa(hc_comm *comm) {
   int64_t isa = hc_isa_best();
   hc_comm_min_i64(comm, &isa, 1);
@@ -159,7 +157,9 @@ static hc_status fill_world(hc_simulation *simulation, const hc_frame *frame, hc
       check_memory(comm, simulation->scene, &plan, error) == HC_OK)
     hc_setup_generate(&plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
   if (hc_comm_agree(comm, error) == HC_OK) {
-    hc_world_distribute(world);
+    const double start = hc_seconds();
+    hc_world_distribute(world, hc_balance_first_divider(simulation->scene));
+    hc_balance_init(&simulation->balance, comm, simulation->scene, hc_seconds() - start);
     if (simulation->scene->fluid.settle_steps > 0) settle(simulation, &plan, error);
     if (error->status == HC_OK) hc_world_update(world);
   }
@@ -196,7 +196,6 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
   simulation->scene = scene;
   simulation->comm = comm;
   simulation->isa = agree_on_isa(comm);
-  simulation->rebalance_interval = REBALANCE_INTERVAL;
   choose_settings(simulation);
 
   hc_frame frame;
@@ -234,33 +233,12 @@ bool hc_simulation_done(const hc_simulation *simulation) {
   return simulation->time >= simulation->scene->end_time;
 }
 
-/* Looks at the balance now and then; cuts anew if it is off, less often where that does not help (few
- * bricks). */
-static void balance(hc_simulation *simulation) {
-  const hc_scene *scene = simulation->scene;
-  simulation->rebalanced = false;
-  const bool forced = scene->parallel.rebalance_at > 0 && simulation->step == scene->parallel.rebalance_at;
-  const bool due = scene->parallel.rebalance != HC_REBALANCE_NONE && simulation->step > 0 &&
-                   simulation->step % simulation->rebalance_interval == 0;
-  if (!forced && !due) return;
-  hc_world *world = &simulation->world;
-  hc_stopwatch_enter(&world->watch, HC_STAGE_BALANCE);
-  simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
-  if (!forced && simulation->imbalance <= scene->parallel.rebalance_above) return;
-  const double reached = hc_world_rebalance(world);
-  simulation->rebalanced = true;
-  if (reached < 0.98 * simulation->imbalance)
-    simulation->rebalance_interval = REBALANCE_INTERVAL;
-  else if (simulation->rebalance_interval < LONGEST_REBALANCE_INTERVAL)
-    simulation->rebalance_interval *= 2;
-}
-
 hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
-  if (simulation->step > 0) {
-    balance(simulation);
-    hc_world_update(world);
-  }
+  if (simulation->step > 0)
+    simulation->rebalanced = hc_balance_look(&simulation->balance, world, simulation->step);
+  hc_balance_start(&simulation->balance, simulation->comm);
+  if (simulation->step > 0) hc_world_update(world);
   const double dt = hc_time_step_next(&simulation->step_settings, simulation->time, simulation->dt,
                                       &simulation->report, &simulation->bound);
   if (!(simulation->time + dt > simulation->time && isfinite(1.0 / (dt * dt))))
@@ -271,6 +249,7 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
                                error) != HC_OK)
     return error->status;
+  hc_balance_stop(&simulation->balance, simulation->comm);
   simulation->dt = dt;
   simulation->step++;
   simulation->time = simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;

@@ -2,6 +2,7 @@
 #ifndef HC_SIMULATION_H
 #define HC_SIMULATION_H
 
+#include "balance.h"
 #include "io/snapshot.h"
 #include "scene/scene.h"
 #include "setup/populate.h"
@@ -21,9 +22,9 @@ typedef struct hc_simulation {
   double dt;    /* the last step's, s; 0 before the first */
   hc_step_bound bound;
   hc_step_report report;
-  double imbalance;           /* largest over mean number of own fluid particles, when last measured */
-  int64_t rebalance_interval; /* steps between two looks at the balance */
-  bool rebalanced;            /* in the last step */
+  double imbalance; /* largest over mean number of own fluid particles at the start */
+  hc_balance balance;
+  bool rebalanced; /* in the last step */
 } hc_simulation;
 
 /* Makes the particles of a scene, spreads them over the ranks and finds their first neighbourhoods.

@@ -40,6 +40,10 @@ hc_status hc_timings_write(const hc_timings *timings, const char *directory, hc_
   put_integer(stream, "halo_bytes", timings->halo_bytes);
   put_integer(stream, "messages", timings->messages);
   put_integer(stream, "reductions", timings->reductions);
+  put_integer(stream, "rebalances", timings->rebalances);
+  put_number(stream, "rebalance_seconds", timings->rebalance_seconds);
+  put_integer(stream, "moved_particles", timings->moved_particles);
+  put_number(stream, "imbalance", timings->imbalance);
   fprintf(stream, "  ");
   put_spread(stream, "memory_bytes_per_rank", &timings->memory_bytes);
   fprintf(stream, ",\n  \"seconds_per_rank\": {");

@@ -24,6 +24,9 @@ typedef struct hc_timings {
   double wall_seconds;                         /* of the steps, set-up not counted */
   double simulated_seconds;
   int64_t halo_bytes, messages, reductions; /* all ranks; reductions: of one rank */
+  int64_t rebalances, moved_particles;      /* moved by rebalances, boundary particles included */
+  double rebalance_seconds;                 /* the slowest rank's */
+  double imbalance;                         /* largest over mean work of a rank, over all steps */
   hc_timings_spread memory_bytes;           /* high-water mark of resident memory */
   const hc_timings_stage *stages;
   int stage_count;
