@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SHORTEST_INTERVAL = 20, LONGEST_INTERVAL = 640 };
+enum { SHORTEST_INTERVAL = 10, LONGEST_INTERVAL = 640 };
 
 /* A division that leaves more than this share of the imbalance before it has not helped. */
 static const double HELPED = 0.98;
@@ -24,13 +24,11 @@ hc_divider hc_balance_divider(const hc_scene *scene) {
   return hc_balance_first_divider(scene);
 }
 
-void hc_balance_init(hc_balance *balance, hc_comm *comm, const hc_scene *scene, double seconds) {
+void hc_balance_init(hc_balance *balance, const hc_scene *scene) {
   memset(balance, 0, sizeof *balance);
   balance->scene = scene;
   balance->interval = balance->next_look = SHORTEST_INTERVAL;
   balance->imbalance = 1.0;
-  balance->cost = seconds;
-  hc_comm_max_f64(comm, &balance->cost, 1);
 }
 
 void hc_balance_start(hc_balance *balance, const hc_comm *comm) {
@@ -64,12 +62,15 @@ static double measure(hc_balance *balance, hc_comm *comm) {
 }
 
 static void divide(hc_balance *balance, hc_world *world, int64_t step) {
-  double seconds = -hc_seconds();
+  hc_comm *comm = world->comm;
+  double took[2] = {-hc_seconds(), -hc_comm_busy_seconds(comm)};
   hc_world_rebalance(world, hc_balance_divider(balance->scene), balance->work);
-  seconds += hc_seconds();
-  hc_comm_max_f64(world->comm, &seconds, 1);
-  balance->cost = seconds;
-  balance->seconds += seconds;
+  took[0] += hc_seconds();
+  took[1] += hc_comm_busy_seconds(comm);
+  hc_comm_max_f64(comm, took, 2);
+  balance->last_seconds = took[0];
+  balance->cost = took[1];
+  balance->seconds += took[0];
   balance->moved += world->division.moving;
   balance->count++;
   balance->last = step;
@@ -115,7 +116,7 @@ void hc_balance_log(hc_balance *balance, hc_world *world, int64_t step, hc_log *
       (long long)step, division->divider == HC_DIVIDER_METIS ? "metis" : "slabs", division->way,
       (long long)division->bricks, 1 << division->bits, division->intervals, balance->imbalance,
       division->before, division->after, (long long)division->moving, (long long)balance->ghosts,
-      balance->cost);
+      balance->last_seconds);
 }
 
 void hc_balance_summarize(const hc_balance *balance, hc_log *log) {

@@ -4,11 +4,11 @@
  * Work is processor time outside the communicator, so that a rank that waits, or shares its core, does not
  * seem busy. At a look, every few steps, the world is divided anew if the imbalance (largest over mean work
  * since the last look) is above parallel.rebalance_above, and what the mean rank would save over the coming
- * steps, as many as the present division has served, is more than the last division cost: as imbalance grows,
- * that comes when what it has cost equals what its mending costs (Menon, Jain, Zheng, Kale 2012, "Automated
- * load balancing invocation based on application characteristics"). Where a new division does not help, looks
- * become rarer. Decisions follow from reduced numbers, so all ranks take the same; they depend on clocks, but
- * what particles do does not depend on them. */
+ * steps, as many as the present division has served, is more than the last rebalance cost: as imbalance
+ * grows, that comes when what it has cost equals what its mending costs (Menon, Jain, Zheng, Kale 2012,
+ * "Automated load balancing invocation based on application characteristics"). Where a new division does not
+ * help, looks become rarer. Decisions follow from reduced numbers, so all ranks take the same; they depend on
+ * clocks, but what particles do does not depend on them. */
 #ifndef HC_BALANCE_H
 #define HC_BALANCE_H
 
@@ -21,20 +21,20 @@ typedef struct hc_balance {
   int64_t interval, next_look; /* steps between two looks; the step of the next */
   int64_t last;                /* step of the last rebalance, 0 if there was none */
   double last_imbalance;       /* measured before it; 0: not to be judged any more */
-  double cost;                 /* of the last division, the slowest rank's seconds */
+  double cost; /* the slowest rank's work at the last rebalance, s; 0 before the first, which is free */
   double started, step_work,
       work;                       /* this rank's work: since when, in the last step, since the last look, s */
   int64_t work_steps;             /* since the last look */
   double imbalance;               /* at the last look: largest over mean work */
   int64_t ghosts;                 /* copies of fluid particles on all ranks after the last rebalance */
   int64_t count;                  /* rebalances so far, */
-  double seconds;                 /* what they took, the slowest rank's, */
+  double seconds, last_seconds;   /* what they, and the last, took of the slowest rank's time, */
   int64_t moved;                  /* and the particles that moved, boundary particles included */
   double largest_work, mean_work; /* summed over the noted steps, s */
 } hc_balance;
 
-/* After the first division, which took this rank so many seconds. Collective. */
-void hc_balance_init(hc_balance *balance, hc_comm *comm, const hc_scene *scene, double seconds);
+/* Local. */
+void hc_balance_init(hc_balance *balance, const hc_scene *scene);
 
 /* Before a step's update of the world; `step` steps are done. True if the world was divided anew. Collective.
  */

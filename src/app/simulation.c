@@ -157,9 +157,7 @@ static hc_status fill_world(hc_simulation *simulation, const hc_frame *frame, hc
       check_memory(comm, simulation->scene, &plan, error) == HC_OK)
     hc_setup_generate(&plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
   if (hc_comm_agree(comm, error) == HC_OK) {
-    const double start = hc_seconds();
     hc_world_distribute(world, hc_balance_first_divider(simulation->scene));
-    hc_balance_init(&simulation->balance, comm, simulation->scene, hc_seconds() - start);
     if (simulation->scene->fluid.settle_steps > 0) settle(simulation, &plan, error);
     if (error->status == HC_OK) hc_world_update(world);
   }
@@ -196,6 +194,7 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
   simulation->scene = scene;
   simulation->comm = comm;
   simulation->isa = agree_on_isa(comm);
+  hc_balance_init(&simulation->balance, scene);
   choose_settings(simulation);
 
   hc_frame frame;

@@ -7,9 +7,6 @@
 
 #include <stdio.h>
 
-/* Which bricks a cut is counted between: those that share a face, an edge or a corner. */
-enum { NEIGHBORHOOD = 26 };
-
 void hc_domain_init(hc_domain *domain, hc_comm *comm, const hc_frame *frame) {
   int64_t origin[3];
   for (int axis = 0; axis < 3; axis++) origin[axis] = hc_frame_cell(frame->origin[axis]);
@@ -42,9 +39,8 @@ static bool divide_by_metis(hc_domain *domain, int bits, hc_load *loads, int64_t
   hc_bricks_init(&bricks, loads, count, map->order);
   int32_t *part = hc_alloc((size_t)bricks.count, sizeof *part);
   hc_graph graph;
-  hc_graph_init(&graph, &bricks, map, domain->frame, NEIGHBORHOOD);
+  hc_graph_init(&graph, &bricks, map, domain->frame);
   const char *way = hc_graph_divide(&graph, ranks, part);
-  hc_graph_free(&graph);
   if (way) {
     division->divider = HC_DIVIDER_METIS;
     snprintf(division->way, sizeof division->way, "%s", way);
@@ -52,8 +48,9 @@ static bool divide_by_metis(hc_domain *domain, int bits, hc_load *loads, int64_t
     division->before = hc_bricks_imbalance_now(&bricks, ranks);
     division->moving = hc_bricks_renumber(&bricks, ranks, part);
     division->after = hc_bricks_imbalance(&bricks, ranks, part);
-    hc_fringe_fill(map, &bricks, part);
+    hc_fringe_fill(map, &bricks, &graph, part);
   }
+  hc_graph_free(&graph);
   hc_free(part);
   hc_bricks_free(&bricks);
   return way != NULL;

@@ -5,8 +5,9 @@
 
 #include <stdlib.h>
 
-/* How far the fringe reaches, in cells, but at least one brick. */
-enum { FRINGE_CELLS = 4 };
+/* How far the fringe reaches, in cells but at least in bricks: over faces alone, two steps lead to an edge.
+ */
+enum { FRINGE_CELLS = 4, LEAST_LAYERS = 2 };
 
 /* Owned bricks while the fringe grows. */
 typedef struct fringe {
@@ -23,38 +24,33 @@ static void add(fringe *fringe, hc_brick brick, int32_t owner) {
   fringe->owner[before] = owner;
 }
 
-/* The empty neighbours of brick k that lie `axes` axes away. */
-static void grow_brick(fringe *fringe, int32_t k, int axes) {
-  const hc_brick brick = fringe->set.bricks[k];
-  for (int way = 0; way < HC_ADJACENT; way++) {
-    const int step[3] = {way % 3 - 1, way / 3 % 3 - 1, way / 9 - 1};
-    if (abs(step[0]) + abs(step[1]) + abs(step[2]) != axes) continue;
-    hc_brick next = brick;
-    bool inside = true;
-    for (int axis = 0; axis < 3; axis++)
-      inside &= !__builtin_add_overflow(next.x[axis], step[axis], &next.x[axis]);
-    if (inside) add(fringe, next, fringe->owner[k]);
+/* Gives the empty bricks behind brick k's faces to its owner. */
+static void grow_brick(fringe *fringe, int32_t k) {
+  for (int face = 0; face < HC_GRAPH_FACES; face++) {
+    hc_brick next = fringe->set.bricks[k];
+    int32_t *x = &next.x[face / 2];
+    if (!__builtin_add_overflow(*x, face % 2 ? 1 : -1, x)) add(fringe, next, fringe->owner[k]);
   }
 }
 
-/* Layer by layer, in each the nearest ways first. */
-static void grow(fringe *fringe, const hc_bricks *bricks, int layers) {
-  int32_t begin = 0;
-  for (int layer = 0; layer < layers; layer++) {
+static void grow(fringe *fringe, const hc_bricks *bricks, const hc_graph *graph, int layers) {
+  for (int32_t k = 0; k < bricks->count; k++)
+    if (bricks->brick[k].fluid > 0 && graph->start[k + 1] - graph->start[k] < HC_GRAPH_FACES)
+      grow_brick(fringe, k);
+  int32_t begin = bricks->count;
+  for (int layer = 1; layer < layers; layer++) {
     const int32_t end = fringe->set.count;
-    for (int axes = 1; axes <= 3; axes++)
-      for (int32_t k = begin; k < end; k++)
-        if (layer > 0 || bricks->brick[k].fluid > 0) grow_brick(fringe, k, axes);
+    for (int32_t k = begin; k < end; k++) grow_brick(fringe, k);
     begin = end;
   }
 }
 
-void hc_fringe_fill(hc_map *map, const hc_bricks *bricks, const int32_t *part) {
+void hc_fringe_fill(hc_map *map, const hc_bricks *bricks, const hc_graph *graph, const int32_t *part) {
   fringe fringe = {.owner = NULL};
   hc_brick_set_init(&fringe.set);
   for (int32_t k = 0; k < bricks->count; k++) add(&fringe, bricks->brick[k].brick, part[k]);
   const int layers = FRINGE_CELLS >> map->bits;
-  grow(&fringe, bricks, layers > 1 ? layers : 1);
+  grow(&fringe, bricks, graph, layers > LEAST_LAYERS ? layers : LEAST_LAYERS);
   hc_interval *owned = hc_alloc((size_t)fringe.set.count, sizeof *owned);
   for (int32_t k = 0; k < fringe.set.count; k++)
     owned[k] = (hc_interval){fringe.set.bricks[k], fringe.owner[k]};

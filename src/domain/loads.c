@@ -6,13 +6,17 @@
 #include <math.h>
 #include <string.h>
 
-enum { BRICKS_A_RANK = 128 };
-
 /* What a rank's measured time may change of its weights: clocks are noisy. */
 static const double MOST_CORRECTION = 1.5;
 
 static void cell_of(const hc_particles *particles, int32_t k, int64_t cell[3]) {
   for (int axis = 0; axis < 3; axis++) cell[axis] = hc_frame_cell(particles->position[3 * (size_t)k + axis]);
+}
+
+int hc_loads_choose_bits(const int64_t counts[HC_MAP_MOST_BITS + 1], int ranks) {
+  int bits = HC_MAP_MOST_BITS;
+  while (bits > 0 && counts[bits] < (int64_t)HC_BRICKS_A_RANK * ranks) bits--;
+  return bits;
 }
 
 int hc_loads_bits(hc_comm *comm, const hc_map *map, const hc_particles *fluid) {
@@ -37,9 +41,7 @@ int hc_loads_bits(hc_comm *comm, const hc_map *map, const hc_particles *fluid) {
   }
   hc_brick_set_free(&finer);
   hc_comm_sum_i64(comm, counts, HC_MAP_MOST_BITS + 1);
-  int bits = HC_MAP_MOST_BITS;
-  while (bits > 0 && counts[bits] < (int64_t)BRICKS_A_RANK * comm->size) bits--;
-  return bits;
+  return hc_loads_choose_bits(counts, comm->size);
 }
 
 /* How much more a unit of this rank's cost model takes than one of the average rank. */

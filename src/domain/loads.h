@@ -24,8 +24,12 @@ typedef struct hc_load {
   int32_t rank;            /* that holds them */
 } hc_load;
 
-/* Edge bits for ownership bricks: the largest ones of which fluid fills enough for every rank to be balanced
- * with. Collective. */
+/* Edge bits for ownership bricks: the largest ones of which there are HC_BRICKS_A_RANK with fluid for every
+ * rank, so that it can be balanced with; counts[b] is how many with 2^b cells along an edge. Local. */
+enum { HC_BRICKS_A_RANK = 128 };
+int hc_loads_choose_bits(const int64_t counts[HC_MAP_MOST_BITS + 1], int ranks);
+
+/* The same for the fluid of all ranks; a brick that several hold counts several times. Collective. */
 int hc_loads_bits(hc_comm *comm, const hc_map *map, const hc_particles *fluid);
 
 /* The loads of all ranks' bricks on rank 0, in no order (hc_free); elsewhere none. Collective. */
