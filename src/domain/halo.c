@@ -34,6 +34,7 @@ typedef struct marking {
   const hc_domain *domain;
   hc_brick brick;
   int32_t owner[AROUND][AROUND][AROUND]; /* [z][y][x] of these cells, as they are without periods */
+  uint64_t border;                       /* bit per cell: it may need a copy */
   bool near_period; /* a cell of the brick may have a neighbour beyond a periodic border */
 } marking;
 
@@ -48,27 +49,45 @@ static void look_for_periods(marking *marking) {
   }
 }
 
-/* Finds the owners of the cells [low, high] relative to the brick. */
+/* Finds the owners of the cells [low, high] relative to the brick: of all at once, or of the halves. */
 static void find_owners(marking *marking, const int low[3], const int high[3]) {
   int64_t first[3], last[3];
+  int longest = 0;
   for (int axis = 0; axis < 3; axis++) {
     const int64_t begin = (int64_t)marking->brick.x[axis] * HC_BRICK_EDGE;
     first[axis] = begin + low[axis];
     last[axis] = begin + high[axis];
+    if (high[axis] - low[axis] >= high[longest] - low[longest]) longest = axis;
   }
-  const int common = hc_map_owner_of_box(&marking->domain->map, first, last);
-  int64_t cell[3];
-  for (int z = low[2]; z <= high[2]; z++) {
-    cell[2] = first[2] + z - low[2];
-    for (int y = low[1]; y <= high[1]; y++) {
-      cell[1] = first[1] + y - low[1];
-      for (int x = low[0]; x <= high[0]; x++) {
-        cell[0] = first[0] + x - low[0];
-        marking->owner[z + 1][y + 1][x + 1] =
-            common != HC_MAP_MIXED ? common : hc_domain_owner(marking->domain, cell);
-      }
+  const int owner = hc_map_owner_of_box(&marking->domain->map, first, last);
+  if (owner == HC_MAP_MIXED) {
+    int middle[3] = {high[0], high[1], high[2]}, behind[3] = {low[0], low[1], low[2]};
+    middle[longest] = (low[longest] + high[longest]) / 2;
+    behind[longest] = middle[longest] + 1;
+    find_owners(marking, low, middle);
+    find_owners(marking, behind, high);
+    return;
+  }
+  for (int z = low[2]; z <= high[2]; z++)
+    for (int y = low[1]; y <= high[1]; y++)
+      for (int x = low[0]; x <= high[0]; x++) marking->owner[z + 1][y + 1][x + 1] = owner;
+}
+
+/* The cells of the brick that lie beside another rank's: rows of bits, spread by one cell each way. */
+static uint64_t find_border(const marking *marking, int32_t rank) {
+  unsigned foreign[AROUND][AROUND] = {{0}};
+  for (int z = 0; z < AROUND; z++)
+    for (int y = 0; y < AROUND; y++)
+      for (int x = 0; x < AROUND; x++) foreign[z][y] |= (unsigned)(marking->owner[z][y][x] != rank) << x;
+  uint64_t border = 0;
+  for (int z = 0; z < HC_BRICK_EDGE; z++)
+    for (int y = 0; y < HC_BRICK_EDGE; y++) {
+      unsigned row = 0;
+      for (int way = 0; way < 9; way++) row |= foreign[z + way / 3][y + way % 3];
+      row = (row | row >> 1 | row >> 2) & ((1u << HC_BRICK_EDGE) - 1);
+      border |= (uint64_t)row << hc_cell_in_brick(0, y, z);
     }
-  }
+  return border;
 }
 
 /* Fills the marking; false if all around is this rank's and no copy can be needed. */
@@ -89,11 +108,8 @@ static bool look_around(marking *marking) {
     const int last[3] = {end[part[0]], end[part[1]], end[part[2]]};
     find_owners(marking, first, last);
   }
-  if (marking->near_period) return true;
-  const int32_t *owner = &marking->owner[0][0][0];
-  for (int k = 0; k < AROUND * AROUND * AROUND; k++)
-    if (owner[k] != rank) return true;
-  return false;
+  marking->border = marking->near_period ? ~0ULL : find_border(marking, rank);
+  return marking->border != 0;
 }
 
 /* Who owns the cell at `cell` (relative to the brick), and by how many periods ours must be shifted to lie
@@ -150,7 +166,7 @@ void hc_halo_mark(hc_halo *halo, hc_cells *cells) {
     marking.brick = cells->bricks[k];
     if (!look_around(&marking)) continue;
     for (int cell = 0; cell < HC_BRICK_CELLS; cell++) {
-      if (cells->count[k][cell] == 0) continue;
+      if (cells->count[k][cell] == 0 || !(marking.border >> cell & 1)) continue;
       hc_halo_cell found[HC_ADJACENT];
       const int count = partners_of(&marking, k * HC_BRICK_CELLS + cell, found);
       if (count == 0) continue;
