@@ -23,7 +23,7 @@ install(FILES ${PROJECT_BINARY_DIR}/HaloclineConfig.cmake ${PROJECT_BINARY_DIR}/
 file(RELATIVE_PATH pc_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 string(REGEX REPLACE "/$" "" pc_prefix ${pc_prefix})
 set(private_libraries "")
-foreach(library IN LISTS HDF5_C_LIBRARIES MPI_C_LIBRARIES)
+foreach(library IN LISTS HDF5_C_LIBRARIES MPI_C_LIBRARIES METIS_LIBRARY)
   if(library MATCHES "^(/|-)")
     list(APPEND private_libraries ${library})
   else()

@@ -168,10 +168,9 @@ static void estimate_memory(const hc_scene *scene, hc_estimate *estimate) {
   const double ranks = (double)estimate->ranks;
   const double fluid = (double)estimate->fluid.count, boundary = (double)estimate->boundary.count;
   const double uneven = fmin(scene->parallel.rebalance_above, ranks);
-  const double load =
-      (HC_DOMAIN_FLUID_WEIGHT * fluid + HC_DOMAIN_BOUNDARY_WEIGHT * boundary) / ranks * uneven;
-  const double own_boundary = fmin(boundary, load / HC_DOMAIN_BOUNDARY_WEIGHT);
-  const double own_fluid = (load - HC_DOMAIN_BOUNDARY_WEIGHT * own_boundary) / HC_DOMAIN_FLUID_WEIGHT;
+  const double load = (HC_COST_FLUID * fluid + HC_COST_BOUNDARY * boundary) / ranks * uneven;
+  const double own_boundary = fmin(boundary, load / HC_COST_BOUNDARY);
+  const double own_fluid = (load - HC_COST_BOUNDARY * own_boundary) / HC_COST_FLUID;
   const int axis = longest_axis(&estimate->all);
   double ghosts = 0.0;
   if (fluid > 0) ghosts += fluid / ranks * ghost_share(scene, &estimate->fluid, axis, estimate->ranks);

@@ -76,8 +76,9 @@ void hc_job_log_start(hc_job *job) {
   hc_log_info(&job->log, "particles: %lld fluid of %.9g kg each (mass factor %g), %lld boundary",
               (long long)world->fluid_total, world->mass, job->scene->fluid.mass_factor,
               (long long)world->boundary_total);
-  hc_log_info(&job->log, "slabs along axis %c, imbalance %.3f", "xyz"[world->domain.axis],
-              simulation -> imbalance);
+  hc_log_info(&job->log, "%s (%s), %lld bricks of %d cells' edge, imbalance of fluid particles %.3f",
+              world->division.divider == HC_DIVIDER_METIS ? "metis" : "slabs", world->division.way,
+              (long long)world->division.bricks, 1 << world->division.bits, simulation->imbalance);
 }
 
 hc_status hc_job_add_step_row(hc_job *job, const hc_job_load *load, double active_boundary, const char *event,
@@ -150,6 +151,10 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
                               .reductions = counts.reductions,
                               .other_collectives = counts.other_collectives,
                               .gathered_bytes = counts.gathered_bytes,
+                              .rebalances = simulation->balance.count,
+                              .rebalance_seconds = simulation->balance.seconds,
+                              .moved_particles = simulation->balance.moved,
+                              .imbalance = hc_balance_mean_imbalance(&simulation->balance),
                               .ghosts = spread(job->comm, world->fluid.ghosts + world->boundary.ghosts),
                               .private_bytes = spread(job->comm, (double)hc_memory_private()),
                               .memory_bytes = spread(job->comm, (double)hc_memory_peak()),
@@ -170,9 +175,8 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
               (unsigned long long)((uint64_t)digest + hc_state_digest_items(&simulation->state)));
   hc_log_info(&job->log, "particles held by wall contacts: %.3g a step on average",
               simulation->step > 0 ? (double)job->counts.contacts / (double)simulation->step : 0.0);
-  hc_log_info(&job->log,
-              "rebalances: %lld; communication %.1f %% of the time; memory at its highest %.1f MiB on a rank",
-              (long long)job->counts.rebalances,
+  hc_balance_summarize(&simulation->balance, &job->log);
+  hc_log_info(&job->log, "communication %.1f %% of the time; memory at its highest %.1f MiB on a rank",
               wall > 0.0 ? 100.0 * stages[HC_STAGE_COUNT].seconds.mean / wall : 0.0,
               timings.memory_bytes.max / 1048576.0);
   if (job->particle_steps > 0.0)

@@ -86,18 +86,21 @@ bool hc_job_is_over(const hc_job *job) {
 
 static hc_job_load measure_load(hc_job *job, int64_t bytes_before) {
   const hc_world *world = &job->simulation.world;
+  hc_balance *balance = &job->simulation.balance;
+  const int64_t work = (int64_t)(1e9 * balance->step_work);
   const bool first = job->comm->rank == 0;
-  int64_t largest[6] = {world->fluid.own,
+  int64_t largest[6] = {work,
                         world->fluid.ghosts + world->boundary.ghosts,
                         job->comm->bytes_sent - bytes_before,
                         hc_stop_signal(),
                         first && hc_job_out_of_time(job),
                         first && hc_job_checkpoint_time(job)};
-  int64_t total = world->fluid.own;
+  int64_t totals[2] = {world->fluid.own, work};
   hc_comm_max_i64(job->comm, largest, 6);
-  hc_comm_sum_i64(job->comm, &total, 1);
-  const double imbalance = total > 0 ? (double)largest[0] * job->comm->size / (double)total : 1.0;
-  return (hc_job_load){imbalance,       largest[1],      largest[2],     total,
+  hc_comm_sum_i64(job->comm, totals, 2);
+  const double imbalance =
+      hc_balance_note(balance, 1e-9 * (double)largest[0], 1e-9 * (double)totals[1] / job->comm->size);
+  return (hc_job_load){imbalance,       largest[1],      largest[2],     totals[0],
                        (int)largest[3], largest[4] != 0, largest[5] != 0};
 }
 
@@ -148,7 +151,6 @@ static void judge_step(hc_job *job, char *event, size_t size) {
     job->counts.shortest_step = simulation->dt;
   if (simulation->dt > job->counts.longest_step) job->counts.longest_step = simulation->dt;
   job->counts.contacts += report->contacts;
-  if (simulation->rebalanced) job->counts.rebalances++;
 }
 
 static hc_progress_sample progress_sample(const hc_job *job, const hc_job_load *load) {
@@ -188,6 +190,8 @@ static hc_status step_and_report(hc_job *job, done *done, hc_error *error) {
   char event[64];
   judge_step(job, event, sizeof event);
   hc_explain_time_step(&job->explained, simulation, &job->log);
+  if (simulation->rebalanced)
+    hc_balance_log(&simulation->balance, &simulation->world, simulation->step, &job->log);
   done->snapshot = snapshot_due(job, before);
   done->gauges = gauges_due(job, before);
   if (done->snapshot && write_snapshot(job, error) != HC_OK) return error->status;

@@ -9,8 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { REBALANCE_INTERVAL = 20, LONGEST_REBALANCE_INTERVAL = 640 };
-
 static hc_isa agree_on_isa(hc_comm *comm) {
   int64_t isa = hc_isa_best();
   hc_comm_min_i64(comm, &isa, 1);
@@ -161,7 +159,7 @@ static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   hc_setup_generate(&simulation->plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
   if (hc_comm_agree(comm, error) != HC_OK) return error->status;
-  hc_world_distribute(world);
+  hc_world_distribute(world, hc_balance_first_divider(simulation->scene));
   if (simulation->scene->fluid.settle_steps > 0 && settle(simulation, error) != HC_OK) return error->status;
   hc_world_update(world);
   hc_setup_plan_free(&simulation->plan);
@@ -218,7 +216,7 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
   simulation->scene = scene;
   simulation->comm = comm;
   simulation->isa = agree_on_isa(comm);
-  simulation->rebalance_interval = REBALANCE_INTERVAL;
+  hc_balance_init(&simulation->balance, scene);
   choose_settings(simulation);
 
   hc_frame frame;
@@ -254,9 +252,10 @@ hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error) {
 
 void hc_simulation_adopt(hc_simulation *simulation) {
   hc_world *world = &simulation->world;
-  hc_world_distribute(world);
+  hc_world_distribute(world, hc_balance_first_divider(simulation->scene));
   hc_world_update(world);
   simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
+  hc_balance_go_on(&simulation->balance, simulation->step);
   hc_setup_plan_free(&simulation->plan);
 }
 
@@ -275,27 +274,6 @@ void hc_simulation_free(hc_simulation *simulation) {
 
 bool hc_simulation_done(const hc_simulation *simulation) {
   return simulation->time >= simulation->scene->end_time;
-}
-
-/* Looks at the balance now and then; cuts anew if it is off, less often where that does not help (few
- * bricks). */
-static void balance(hc_simulation *simulation) {
-  const hc_scene *scene = simulation->scene;
-  simulation->rebalanced = false;
-  const bool forced = scene->parallel.rebalance_at > 0 && simulation->step == scene->parallel.rebalance_at;
-  const bool due = scene->parallel.rebalance != HC_REBALANCE_NONE && simulation->step > 0 &&
-                   simulation->step % simulation->rebalance_interval == 0;
-  if (!forced && !due) return;
-  hc_world *world = &simulation->world;
-  hc_stopwatch_enter(&world->watch, HC_STAGE_BALANCE);
-  simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
-  if (!forced && simulation->imbalance <= scene->parallel.rebalance_above) return;
-  const double reached = hc_world_rebalance(world);
-  simulation->rebalanced = true;
-  if (reached < 0.98 * simulation->imbalance)
-    simulation->rebalance_interval = REBALANCE_INTERVAL;
-  else if (simulation->rebalance_interval < LONGEST_REBALANCE_INTERVAL)
-    simulation->rebalance_interval *= 2;
 }
 
 /* The step itself: the solver's, between the watches over its length and over the world's limits. */
@@ -324,15 +302,17 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
     if (simulation->scene->domain.leaving == HC_LEAVING_REMOVE)
       hc_leaving_remove(world, &simulation->limits, &simulation->departures);
     hc_failure_inject(simulation);
-    balance(simulation);
-    hc_world_update(world);
+    simulation->rebalanced = hc_balance_look(&simulation->balance, world, simulation->step);
   }
+  hc_balance_start(&simulation->balance, simulation->comm);
+  if (simulation->step > 0) hc_world_update(world);
   const double dt = hc_time_step_next(&simulation->step_settings, simulation->time, simulation->dt,
                                       &simulation->report, &simulation->bound);
   if (advance(simulation, dt, error) != HC_OK) {
     hc_failure_explain(simulation, dt, &before, error);
     return error->status;
   }
+  hc_balance_stop(&simulation->balance, simulation->comm);
   simulation->dt = dt;
   simulation->step++;
   simulation->time = simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;

@@ -2,6 +2,7 @@
 #ifndef HC_SIMULATION_H
 #define HC_SIMULATION_H
 
+#include "balance.h"
 #include "io/snapshot.h"
 #include "leaving.h"
 #include "scene/scene.h"
@@ -23,14 +24,14 @@ typedef struct hc_simulation {
   double dt;    /* the last step's, s; 0 before the first */
   hc_step_bound bound;
   hc_step_report report;
-  hc_setup_plan plan;         /* of the scene's particles; let go once they are there */
-  hc_limits limits;           /* of the world */
-  hc_departures departures;   /* taken out as the last step began */
-  int64_t capped_at;          /* the last step in which the density solver was at its cap; 0: none */
-  double imbalance;           /* largest over mean number of own fluid particles, when last measured */
-  int64_t rebalance_interval; /* steps between two looks at the balance */
-  bool rebalanced;            /* in the last step */
-  hc_state state;             /* all that the next step reads; callers may add what is theirs */
+  hc_setup_plan plan;       /* of the scene's particles; let go once they are there */
+  hc_limits limits;         /* of the world */
+  hc_departures departures; /* taken out as the last step began */
+  int64_t capped_at;        /* the last step in which the density solver was at its cap; 0: none */
+  double imbalance;         /* largest over mean number of own fluid particles at the start */
+  hc_balance balance;
+  bool rebalanced; /* in the last step */
+  hc_state state;  /* all that the next step reads; callers may add what is theirs */
 } hc_simulation;
 
 /* Makes the particles of a scene, spreads them over the ranks and finds their first neighbourhoods.

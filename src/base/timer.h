@@ -4,4 +4,7 @@
 
 double hc_seconds(void);
 
+/* Processor time of the calling thread. */
+double hc_work_seconds(void);
+
 #endif

@@ -20,6 +20,24 @@ static void check_mpi(int code, const char *call, int line) {
 }
 #define CHECK_MPI(call) check_mpi((call), #call, __LINE__)
 
+/* A stay in this room, on the wall clock and on the thread's. */
+typedef struct visit {
+  double seconds, work_seconds;
+} visit;
+
+static visit enter(const hc_comm *comm) {
+  return (visit){hc_seconds(), comm->size > 1 ? hc_work_seconds() : 0.0};
+}
+
+static void leave(hc_comm *comm, visit since) {
+  comm->wait_seconds += hc_seconds() - since.seconds;
+  if (comm->size > 1) comm->spent_seconds += hc_work_seconds() - since.work_seconds;
+}
+
+double hc_comm_busy_seconds(const hc_comm *comm) {
+  return hc_work_seconds() - comm->spent_seconds;
+}
+
 static int as_count(size_t bytes) {
   HC_CHECK(bytes <= INT_MAX, "a message of %zu bytes is over MPI's limit of %d", bytes, INT_MAX);
   return (int)bytes;
@@ -115,24 +133,24 @@ hc_status hc_comm_agree(hc_comm *comm, hc_error *error) {
 }
 
 void hc_comm_barrier(hc_comm *comm) {
-  const double start = hc_seconds();
+  const visit start = enter(comm);
   CHECK_MPI(MPI_Barrier(comm->mpi));
   comm->other_collectives++;
-  comm->wait_seconds += hc_seconds() - start;
+  leave(comm, start);
 }
 
 void hc_comm_broadcast(hc_comm *comm, void *data, size_t bytes, int root) {
-  const double start = hc_seconds();
+  const visit start = enter(comm);
   CHECK_MPI(MPI_Bcast(data, as_count(bytes), MPI_BYTE, root, comm->mpi));
   comm->other_collectives++;
-  comm->wait_seconds += hc_seconds() - start;
+  leave(comm, start);
 }
 
 static void reduce(hc_comm *comm, void *values, int count, MPI_Datatype type, MPI_Op operation) {
   if (comm->size == 1) return;
-  const double start = hc_seconds();
+  const visit start = enter(comm);
   CHECK_MPI(MPI_Allreduce(MPI_IN_PLACE, values, count, type, operation, comm->mpi));
-  comm->wait_seconds += hc_seconds() - start;
+  leave(comm, start);
   comm->reductions++;
 }
 
@@ -160,13 +178,15 @@ void hc_comm_sum_exact(hc_comm *comm, hc_sum *sums, int count) {
 
 int64_t hc_comm_prefix_i64(hc_comm *comm, int64_t value) {
   int64_t sum = 0;
+  const visit start = enter(comm);
   CHECK_MPI(MPI_Exscan(&value, &sum, 1, MPI_INT64_T, MPI_SUM, comm->mpi));
   comm->other_collectives++;
+  leave(comm, start);
   return comm->rank == 0 ? 0 : sum;
 }
 
 void hc_comm_gather_all(hc_comm *comm, const void *mine, size_t bytes, void **all, size_t *total) {
-  const double start = hc_seconds();
+  const visit start = enter(comm);
   const size_t ranks = (size_t)comm->size;
   int *counts = hc_alloc(ranks, sizeof *counts), *places = hc_alloc(ranks, sizeof *places);
   const int count = as_count(bytes);
@@ -182,15 +202,35 @@ void hc_comm_gather_all(hc_comm *comm, const void *mine, size_t bytes, void **al
   hc_free(places);
   comm->other_collectives += 2;
   comm->gathered_bytes += (int64_t)(*total + ranks * sizeof count);
-  comm->wait_seconds += hc_seconds() - start;
+  leave(comm, start);
+}
+
+void hc_comm_gather(hc_comm *comm, const void *mine, size_t bytes, int root, void **all, size_t *total) {
+  const visit start = enter(comm);
+  const size_t ranks = comm->rank == root ? (size_t)comm->size : 0;
+  int *counts = hc_alloc(ranks, sizeof *counts), *places = hc_alloc(ranks, sizeof *places);
+  const int count = as_count(bytes);
+  CHECK_MPI(MPI_Gather(&count, 1, MPI_INT, counts, 1, MPI_INT, root, comm->mpi));
+  *total = 0;
+  for (size_t rank = 0; rank < ranks; rank++) {
+    places[rank] = as_count(*total);
+    *total += (size_t)counts[rank];
+  }
+  *all = ranks ? hc_alloc(as_count(*total), 1) : NULL;
+  CHECK_MPI(MPI_Gatherv(mine, count, MPI_BYTE, *all, counts, places, MPI_BYTE, root, comm->mpi));
+  hc_free(counts);
+  hc_free(places);
+  comm->other_collectives += 2;
+  comm->gathered_bytes += (int64_t)(*total + ranks * sizeof count);
+  leave(comm, start);
 }
 
 void hc_comm_gather_all_f64(hc_comm *comm, const double *mine, int count, double *all) {
-  const double start = hc_seconds();
+  const visit start = enter(comm);
   CHECK_MPI(MPI_Allgather(mine, count, MPI_DOUBLE, all, count, MPI_DOUBLE, comm->mpi));
   comm->other_collectives++;
   comm->gathered_bytes += (int64_t)((size_t)comm->size * (size_t)count * sizeof *all);
-  comm->wait_seconds += hc_seconds() - start;
+  leave(comm, start);
 }
 
 enum { TAG_SPARSE = 1, TAG_EXCHANGE = 16 };
@@ -218,7 +258,7 @@ static bool receive_one(hc_comm *comm, int tag, hc_message *message) {
 }
 
 void hc_comm_sparse(hc_comm *comm, const hc_message *out, int out_count, hc_message **in, int *in_count) {
-  const double start = hc_seconds();
+  const visit start = enter(comm);
   *in = NULL;
   *in_count = 0;
   size_t capacity = 0;
@@ -258,7 +298,7 @@ void hc_comm_sparse(hc_comm *comm, const hc_message *out, int out_count, hc_mess
   }
   hc_free(requests);
   qsort(*in, (size_t)*in_count, sizeof **in, by_rank);
-  comm->wait_seconds += hc_seconds() - start;
+  leave(comm, start);
 }
 
 void hc_messages_free(hc_message *messages, int count) {
@@ -267,7 +307,7 @@ void hc_messages_free(hc_message *messages, int count) {
 }
 
 void hc_comm_exchange_begin(hc_comm *comm, hc_exchange *exchange, int tag) {
-  const double start = hc_seconds();
+  const visit start = enter(comm);
   exchange->pending = 0;
   const hc_message *own = NULL;
   for (int k = 0; k < exchange->receive_count; k++) {
@@ -292,13 +332,13 @@ void hc_comm_exchange_begin(hc_comm *comm, hc_exchange *exchange, int tag) {
     comm->bytes_sent += (int64_t)to->bytes;
     comm->messages_sent++;
   }
-  comm->wait_seconds += hc_seconds() - start;
+  leave(comm, start);
 }
 
 void hc_comm_exchange_end(hc_comm *comm, hc_exchange *exchange) {
   if (exchange->pending == 0) return;
-  const double start = hc_seconds();
+  const visit start = enter(comm);
   CHECK_MPI(MPI_Waitall(exchange->pending, exchange->requests, MPI_STATUSES_IGNORE));
   exchange->pending = 0;
-  comm->wait_seconds += hc_seconds() - start;
+  leave(comm, start);
 }

@@ -17,6 +17,7 @@ typedef struct hc_comm {
   bool owns_mpi;
   int sparse_parity;                 /* alternates the tag of successive sparse exchanges */
   double wait_seconds;               /* time spent in this room since the start, for timings.json */
+  double spent_seconds;              /* of it what the thread's own clock says, which stands still asleep */
   int64_t bytes_sent, messages_sent; /* point to point, those of sparse exchanges included */
   int64_t sparse_exchanges;          /* each with a barrier of all ranks */
   int64_t reductions;                /* to all ranks */
@@ -36,6 +37,10 @@ hc_status hc_comm_start_on(hc_comm *comm, const int *handle, hc_error *error);
 
 /* The rank that a launcher (mpirun, srun) says this process will have, 0 without one. Local; needs no MPI. */
 int hc_comm_launched_rank(void);
+
+/* Processor time that this rank has worked outside this room: what is left of its thread's time without
+ * waiting for others. Only differences mean something. Local. */
+double hc_comm_busy_seconds(const hc_comm *comm);
 
 /* The number of ranks that share this rank's machine and its memory, itself included. */
 int hc_comm_machine_ranks(hc_comm *comm);
@@ -61,6 +66,9 @@ int64_t hc_comm_prefix_i64(hc_comm *comm, int64_t value);
 
 /* Everybody's blocks in rank order. *all is allocated (hc_free) and holds *total bytes. */
 void hc_comm_gather_all(hc_comm *comm, const void *mine, size_t bytes, void **all, size_t *total);
+
+/* The same on `root` alone; elsewhere *all is null and *total 0. */
+void hc_comm_gather(hc_comm *comm, const void *mine, size_t bytes, int root, void **all, size_t *total);
 
 /* `count` values of every rank on every rank, in rank order; all has size * count elements. */
 void hc_comm_gather_all_f64(hc_comm *comm, const double *mine, int count, double *all);

@@ -27,15 +27,18 @@ void hc_halo_free(hc_halo *halo) {
 
 /* ---- which cells go where ---- */
 
+enum { AROUND = HC_BRICK_EDGE + 2 }; /* a brick's cells and those around it, along an edge */
+
 /* One brick while its cells are being marked. */
 typedef struct marking {
   const hc_domain *domain;
   hc_brick brick;
-  int owner[HC_ADJACENT]; /* of the bricks around, as they are without periods */
-  bool near_period;       /* a cell of the brick may have a neighbour beyond a periodic border */
+  int32_t owner[AROUND][AROUND][AROUND]; /* [z][y][x] of these cells, as they are without periods */
+  uint64_t border;                       /* bit per cell: it may need a copy */
+  bool near_period; /* a cell of the brick may have a neighbour beyond a periodic border */
 } marking;
 
-static void look_around(marking *marking) {
+static void look_for_periods(marking *marking) {
   const hc_frame *frame = marking->domain->frame;
   marking->near_period = false;
   for (int axis = 0; axis < 3; axis++) {
@@ -44,31 +47,81 @@ static void look_around(marking *marking) {
     const int64_t begin = (int64_t)marking->brick.x[axis] * HC_BRICK_EDGE;
     if (begin - 1 < first || begin + HC_BRICK_EDGE >= first + count) marking->near_period = true;
   }
-  for (int way = 0; way < HC_ADJACENT; way++) {
-    hc_brick brick = marking->brick;
-    brick.x[0] += way % 3 - 1;
-    brick.x[1] += way / 3 % 3 - 1;
-    brick.x[2] += way / 9 - 1;
-    marking->owner[way] = hc_domain_owner(marking->domain, brick);
-  }
 }
 
-static bool is_deep(const marking *marking) {
-  if (marking->near_period) return false;
-  for (int way = 0; way < HC_ADJACENT; way++)
-    if (marking->owner[way] != marking->domain->comm->rank) return false;
-  return true;
+/* Finds the owners of the cells [low, high] relative to the brick: of all at once, or of the halves. */
+static void find_owners(marking *marking, const int low[3], const int high[3]) {
+  int64_t first[3], last[3];
+  int longest = 0;
+  for (int axis = 0; axis < 3; axis++) {
+    const int64_t begin = (int64_t)marking->brick.x[axis] * HC_BRICK_EDGE;
+    first[axis] = begin + low[axis];
+    last[axis] = begin + high[axis];
+    if (high[axis] - low[axis] >= high[longest] - low[longest]) longest = axis;
+  }
+  const int owner = hc_map_owner_of_box(&marking->domain->map, first, last);
+  if (owner == HC_MAP_MIXED) {
+    int middle[3] = {high[0], high[1], high[2]}, behind[3] = {low[0], low[1], low[2]};
+    middle[longest] = (low[longest] + high[longest]) / 2;
+    behind[longest] = middle[longest] + 1;
+    find_owners(marking, low, middle);
+    find_owners(marking, behind, high);
+    return;
+  }
+  for (int z = low[2]; z <= high[2]; z++)
+    for (int y = low[1]; y <= high[1]; y++)
+      for (int x = low[0]; x <= high[0]; x++) marking->owner[z + 1][y + 1][x + 1] = owner;
+}
+
+/* The cells of the brick that lie beside another rank's: rows of bits, spread by one cell each way. */
+static uint64_t find_border(const marking *marking, int32_t rank) {
+  unsigned foreign[AROUND][AROUND] = {{0}};
+  for (int z = 0; z < AROUND; z++)
+    for (int y = 0; y < AROUND; y++)
+      for (int x = 0; x < AROUND; x++) foreign[z][y] |= (unsigned)(marking->owner[z][y][x] != rank) << x;
+  uint64_t border = 0;
+  for (int z = 0; z < HC_BRICK_EDGE; z++)
+    for (int y = 0; y < HC_BRICK_EDGE; y++) {
+      unsigned row = 0;
+      for (int way = 0; way < 9; way++) row |= foreign[z + way / 3][y + way % 3];
+      row = (row | row >> 1 | row >> 2) & ((1u << HC_BRICK_EDGE) - 1);
+      border |= (uint64_t)row << hc_cell_in_brick(0, y, z);
+    }
+  return border;
+}
+
+/* Fills the marking; false if all around is this rank's and no copy can be needed. */
+static bool look_around(marking *marking) {
+  look_for_periods(marking);
+  const hc_map *map = &marking->domain->map;
+  int64_t low[3], high[3];
+  for (int axis = 0; axis < 3; axis++) {
+    low[axis] = (int64_t)marking->brick.x[axis] * HC_BRICK_EDGE - 1;
+    high[axis] = low[axis] + AROUND - 1;
+  }
+  const int32_t rank = marking->domain->comm->rank;
+  if (!marking->near_period && hc_map_owner_of_box(map, low, high) == rank) return false;
+  static const int begin[3] = {-1, 0, HC_BRICK_EDGE}, end[3] = {-1, HC_BRICK_EDGE - 1, HC_BRICK_EDGE};
+  for (int way = 0; way < HC_ADJACENT; way++) {
+    const int part[3] = {way % 3, way / 3 % 3, way / 9};
+    const int first[3] = {begin[part[0]], begin[part[1]], begin[part[2]]};
+    const int last[3] = {end[part[0]], end[part[1]], end[part[2]]};
+    find_owners(marking, first, last);
+  }
+  marking->border = marking->near_period ? ~0ULL : find_border(marking, rank);
+  return marking->border != 0;
 }
 
 /* Who owns the cell at `cell` (relative to the brick), and by how many periods ours must be shifted to lie
  * beside it as that owner sees it. */
 static int owner_of_cell(const marking *marking, const int cell[3], int8_t shift[3]) {
   const hc_frame *frame = marking->domain->frame;
+  shift[0] = shift[1] = shift[2] = 0;
+  if (!marking->near_period) return marking->owner[cell[2] + 1][cell[1] + 1][cell[0] + 1];
   int64_t global[3];
   bool wrapped = false;
   for (int axis = 0; axis < 3; axis++) {
     global[axis] = (int64_t)marking->brick.x[axis] * HC_BRICK_EDGE + cell[axis];
-    shift[axis] = 0;
     if (frame->period[axis] == 0) continue;
     const int64_t first = hc_frame_cell(frame->low[axis]), count = hc_frame_cell(frame->period[axis]);
     if (global[axis] < first) shift[axis] = 1;
@@ -76,15 +129,8 @@ static int owner_of_cell(const marking *marking, const int cell[3], int8_t shift
     global[axis] += shift[axis] * count;
     wrapped |= shift[axis] != 0;
   }
-  if (!wrapped) {
-    int way = 0;
-    for (int axis = 2; axis >= 0; axis--)
-      way = 3 * way + (cell[axis] < 0 ? 0 : cell[axis] < HC_BRICK_EDGE ? 1 : 2);
-    return marking->owner[way];
-  }
-  hc_brick brick;
-  for (int axis = 0; axis < 3; axis++) brick.x[axis] = (int32_t)(global[axis] >> HC_BRICK_BITS);
-  return hc_domain_owner(marking->domain, brick);
+  return wrapped ? hc_domain_owner(marking->domain, global)
+                 : marking->owner[cell[2] + 1][cell[1] + 1][cell[0] + 1];
 }
 
 static bool listed(const hc_halo_cell *cells, int count, const hc_halo_cell *wanted) {
@@ -115,12 +161,12 @@ void hc_halo_mark(hc_halo *halo, hc_cells *cells) {
   const hc_frame *frame = halo->domain->frame;
   halo->cell_count = 0;
   if (halo->domain->comm->size == 1 && !frame->period[0] && !frame->period[1] && !frame->period[2]) return;
+  marking marking = {.domain = halo->domain};
   for (int32_t k = 0; k < cells->brick_count; k++) {
-    marking marking = {.domain = halo->domain, .brick = cells->bricks[k]};
-    look_around(&marking);
-    if (is_deep(&marking)) continue;
+    marking.brick = cells->bricks[k];
+    if (!look_around(&marking)) continue;
     for (int cell = 0; cell < HC_BRICK_CELLS; cell++) {
-      if (cells->count[k][cell] == 0) continue;
+      if (cells->count[k][cell] == 0 || !(marking.border >> cell & 1)) continue;
       hc_halo_cell found[HC_ADJACENT];
       const int count = partners_of(&marking, k * HC_BRICK_CELLS + cell, found);
       if (count == 0) continue;

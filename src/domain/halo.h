@@ -1,7 +1,7 @@
 /* The halo: copies (ghosts) of the particles in cells next to ours, and refreshes of their values.
  *
  * A cell is copied to every rank that owns one of the 26 cells around it; across a periodic border also to
- * ourselves, shifted by the period. Both sides follow from the brick -> rank rule and from which cells are
+ * ourselves, shifted by the period. Both sides follow from the cell -> rank rule and from which cells are
  * occupied, so partners need not be known beforehand. Within a rank's message cells stand in memory order and
  * particles by id, so a ghost cell is one range of the arrays like any other and its order is the canonical
  * one.

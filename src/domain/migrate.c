@@ -1,4 +1,4 @@
-/* Migration: own particles whose brick belongs to another rank go there, however far away it is. */
+/* Migration: own particles whose cell belongs to another rank go there, however far away it is. */
 #include "domain.h"
 
 #include "base/memory.h"
@@ -17,16 +17,19 @@ static int by_rank(const void *a, const void *b) {
 }
 
 static int32_t find_leavers(const hc_domain *domain, const hc_particles *particles, leaver **leavers) {
+  const hc_map *map = &domain->map;
   *leavers = NULL;
   size_t capacity = 0;
   int32_t count = 0;
   hc_brick last = {{0, 0, 0}};
   int owner = -1;
   for (int32_t k = 0; k < particles->own; k++) {
-    hc_brick brick;
-    hc_cell_of(&particles->position[3 * (size_t)k], &brick);
+    int64_t cell[3];
+    for (int axis = 0; axis < 3; axis++)
+      cell[axis] = hc_frame_cell(particles->position[3 * (size_t)k + axis]);
+    const hc_brick brick = hc_map_brick(map, map->bits, cell);
     if (owner < 0 || !hc_brick_equal(brick, last)) {
-      owner = hc_domain_owner(domain, brick);
+      owner = hc_map_owner(map, brick);
       last = brick;
     }
     if (owner == domain->comm->rank) continue;

@@ -24,7 +24,8 @@ typedef struct hc_step_row {
   const char *event; /* words joined by '+', or "" or null; no comma, quote or line end */
 } hc_step_row;
 
-/* A row of load.csv: the machine. */
+/* A row of load.csv: the machine. The imbalance is that of the step: the largest over the mean processor time
+ * that a rank worked, waiting for others excluded. */
 typedef struct hc_load_row {
   int64_t step;
   double wall_seconds, imbalance;

@@ -43,6 +43,10 @@ hc_status hc_timings_write(const hc_timings *timings, const char *directory, hc_
   put_integer(stream, "reductions", timings->reductions);
   put_integer(stream, "other_collectives", timings->other_collectives);
   put_integer(stream, "gathered_bytes", timings->gathered_bytes);
+  put_integer(stream, "rebalances", timings->rebalances);
+  put_number(stream, "rebalance_seconds", timings->rebalance_seconds);
+  put_integer(stream, "moved_particles", timings->moved_particles);
+  put_number(stream, "imbalance", timings->imbalance);
   fprintf(stream, "  ");
   put_spread(stream, "ghosts_per_rank", &timings->ghosts);
   fprintf(stream, ",\n  ");

@@ -26,6 +26,9 @@ typedef struct hc_timings {
   int64_t halo_bytes, messages;              /* of all ranks together, set-up included */
   int64_t sparse_exchanges, reductions;      /* of one rank, as all take part; likewise */
   int64_t other_collectives, gathered_bytes; /* likewise */
+  int64_t rebalances, moved_particles;       /* moved by rebalances, boundary particles included */
+  double rebalance_seconds;                  /* the slowest rank's */
+  double imbalance;                          /* largest over mean work of a rank, over all steps */
   hc_timings_spread ghosts;                  /* at the end */
   hc_timings_spread private_bytes;           /* resident at the end, without files and what processes share */
   hc_timings_spread memory_bytes;            /* high-water mark of resident memory */

@@ -33,8 +33,10 @@ static const hc_choice directions[] = {{"none", 0},
 static const hc_choice solver_methods[] = {{"dfsph", HC_SOLVER_DFSPH}, {NULL, 0}};
 static const hc_choice leavings[] = {{"error", HC_LEAVING_ERROR}, {"remove", HC_LEAVING_REMOVE}, {NULL, 0}};
 static const hc_choice time_controls[] = {{"constant", HC_TIME_CONSTANT}, {"cfl", HC_TIME_CFL}, {NULL, 0}};
-static const hc_choice decompositions[] = {{"slabs", HC_DECOMPOSITION_SLABS}, {NULL, 0}};
-static const hc_choice rebalances[] = {{"none", HC_REBALANCE_NONE}, {"slabs", HC_REBALANCE_SLABS}, {NULL, 0}};
+static const hc_choice decompositions[] = {
+    {"slabs", HC_DECOMPOSITION_SLABS}, {"metis", HC_DECOMPOSITION_METIS}, {NULL, 0}};
+static const hc_choice rebalances[] = {
+    {"none", HC_REBALANCE_NONE}, {"slabs", HC_REBALANCE_SLABS}, {"metis", HC_REBALANCE_METIS}, {NULL, 0}};
 
 static const hc_choice gauge_types[] = {{"height", HC_GAUGE_HEIGHT},     {"front", HC_GAUGE_FRONT},
                                         {"pressure", HC_GAUGE_PRESSURE}, {"flow", HC_GAUGE_FLOW},

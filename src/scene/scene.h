@@ -120,8 +120,8 @@ typedef enum hc_boundary_method { HC_BOUNDARY_AKINCI2012 } hc_boundary_method;
 typedef enum hc_solver_method { HC_SOLVER_DFSPH } hc_solver_method;
 typedef enum hc_time_control { HC_TIME_CONSTANT, HC_TIME_CFL } hc_time_control;
 typedef enum hc_leaving { HC_LEAVING_ERROR, HC_LEAVING_REMOVE } hc_leaving;
-typedef enum hc_decomposition { HC_DECOMPOSITION_SLABS } hc_decomposition;
-typedef enum hc_rebalance { HC_REBALANCE_NONE, HC_REBALANCE_SLABS } hc_rebalance;
+typedef enum hc_decomposition { HC_DECOMPOSITION_SLABS, HC_DECOMPOSITION_METIS } hc_decomposition;
+typedef enum hc_rebalance { HC_REBALANCE_NONE, HC_REBALANCE_SLABS, HC_REBALANCE_METIS } hc_rebalance;
 
 typedef struct hc_iterations {
   int min, max;
@@ -198,8 +198,9 @@ typedef struct hc_scene {
   struct {
     hc_decomposition decomposition;
     hc_rebalance rebalance;
-    double rebalance_above; /* imbalance (largest over mean load) that starts a rebalance */
+    double rebalance_above; /* imbalance (largest over mean work) that starts a rebalance */
     int rebalance_at;       /* hidden: forces a rebalance at this step; 0 = never */
+    int rebalance_every;    /* hidden: forces one whenever so many steps are done; 0 = never */
   } parallel;
 
   struct { /* hidden: faults after so many steps, to test what they do; 0 = never */

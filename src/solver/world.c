@@ -9,6 +9,7 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
   memset(world, 0, sizeof *world);
   hc_stopwatch_start(&world->watch);
   world->comm = comm;
+  world->listed = -1;
   world->frame = settings->frame;
   world->mass = settings->mass;
   world->volume_factor = settings->volume_factor;
@@ -80,19 +81,25 @@ static void place_boundary(hc_world *world) {
   hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
 }
 
-double hc_world_rebalance(hc_world *world) {
+void hc_world_rebalance(hc_world *world, hc_divider divider, double busy) {
   hc_stopwatch_enter(&world->watch, HC_STAGE_BALANCE);
-  const double imbalance = hc_domain_balance(&world->domain, &world->fluid, &world->boundary);
+  hc_work work = {.fluid = &world->fluid, .boundary = &world->boundary, .busy = busy};
+  if (world->listed == world->fluid.own) {
+    work.neighbors = world->list.count;
+    work.walls = world->walls.count;
+  }
+  hc_domain_balance(&world->domain, divider, &work, &world->division);
+  world->listed = -1;
+  hc_domain_migrate(&world->domain, &world->fluid);
   place_boundary(world);
-  return imbalance;
 }
 
-double hc_world_distribute(hc_world *world) {
+void hc_world_distribute(hc_world *world, hc_divider divider) {
   int64_t totals[2] = {world->fluid.own, world->boundary.own};
   hc_comm_sum_i64(world->comm, totals, 2);
   world->fluid_total = totals[0];
   world->boundary_total = totals[1];
-  return hc_world_rebalance(world);
+  hc_world_rebalance(world, divider, 0.0);
 }
 
 static void refresh_motion(hc_particles *fluid) {
@@ -114,6 +121,7 @@ void hc_world_update(hc_world *world) {
                      &world->fluid);
   hc_neighbors_build(&world->walls, &world->search, &world->cells, &world->fluid, &world->boundary_cells,
                      &world->boundary);
+  world->listed = world->fluid.own;
   hc_halo_end(&world->halo);
 }
 

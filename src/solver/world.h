@@ -22,6 +22,8 @@ typedef struct hc_world {
   double volume_factor, contact_limit; /* see boundary.h; limit 0: no contact */
   double mass;                         /* kg, of a fluid particle */
   int64_t fluid_total, boundary_total;
+  hc_division division; /* the last */
+  int32_t listed;       /* own fluid particles that the lists are of; -1: none */
   hc_stopwatch watch;
 } hc_world;
 
@@ -39,12 +41,12 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
 void hc_world_free(hc_world *world);
 
 /* First decomposition, totals, boundary volumes. Afterwards particles are with their owners; call
- * hc_world_update. Collective. Returns the imbalance reached. */
-double hc_world_distribute(hc_world *world);
+ * hc_world_update. Collective. */
+void hc_world_distribute(hc_world *world, hc_divider divider);
 
-/* A new decomposition: cuts, moves all particles, boundary lists. Call hc_world_update afterwards.
- * Collective. */
-double hc_world_rebalance(hc_world *world);
+/* A new decomposition: divides, moves all particles, boundary lists; `busy` as in hc_work. Call
+ * hc_world_update afterwards. Collective. */
+void hc_world_rebalance(hc_world *world, hc_divider divider, double busy);
 
 /* After fluid particles have moved: migrate, sort, ghosts, neighbour lists. Collective.
  * Afterwards place and velocity of own and ghost particles are current; 1/density is not known yet. */

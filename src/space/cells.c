@@ -27,18 +27,9 @@ void hc_cells_free(hc_cells *cells) {
   memset(cells, 0, sizeof *cells);
 }
 
-static uint32_t hash(hc_brick brick) {
-  uint64_t mixed = (uint64_t)(uint32_t)brick.x[0] * 0x9e3779b97f4a7c15ULL ^
-                   (uint64_t)(uint32_t)brick.x[1] * 0xc2b2ae3d27d4eb4fULL ^
-                   (uint64_t)(uint32_t)brick.x[2] * 0x165667b19e3779f9ULL;
-  mixed ^= mixed >> 29;
-  mixed *= 0xbf58476d1ce4e5b9ULL;
-  return (uint32_t)(mixed >> 32);
-}
-
 /* The table entry that holds the brick, or the empty one where it would go. */
 static uint32_t probe(const hc_cells *cells, hc_brick brick) {
-  uint32_t entry = hash(brick) & cells->table_mask;
+  uint32_t entry = hc_brick_hash(brick) & cells->table_mask;
   while (cells->table[entry] >= 0 && !hc_brick_equal(cells->bricks[cells->table[entry]], brick))
     entry = (entry + 1) & cells->table_mask;
   return entry;

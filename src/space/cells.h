@@ -58,6 +58,16 @@ static inline bool hc_brick_equal(hc_brick a, hc_brick b) {
   return a.x[0] == b.x[0] && a.x[1] == b.x[1] && a.x[2] == b.x[2];
 }
 
+/* For hash tables. */
+static inline uint32_t hc_brick_hash(hc_brick brick) {
+  uint64_t mixed = (uint64_t)(uint32_t)brick.x[0] * 0x9e3779b97f4a7c15ULL ^
+                   (uint64_t)(uint32_t)brick.x[1] * 0xc2b2ae3d27d4eb4fULL ^
+                   (uint64_t)(uint32_t)brick.x[2] * 0x165667b19e3779f9ULL;
+  mixed ^= mixed >> 29;
+  mixed *= 0xbf58476d1ce4e5b9ULL;
+  return (uint32_t)(mixed >> 32);
+}
+
 void hc_cells_init(hc_cells *cells);
 void hc_cells_free(hc_cells *cells);
 

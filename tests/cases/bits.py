@@ -55,15 +55,28 @@ def round_tank(case, steps):
     return ranks_agree(case, "tests/cases/round_tank.yaml", (1, 3), (), steps or 100)
 
 
+def rebalances(output):
+    """What load.csv and run.log say of rebalances."""
+    load = (output / "load.csv").read_text(encoding="utf-8").count("rebalance")
+    lines = [line for line in (output / "run.log").read_text(encoding="utf-8").splitlines() if "rebalanced by" in line]
+    c.expect(len(lines) == load, f"{output}: load.csv has {load} rebalances, run.log {len(lines)}")
+    return lines
+
+
 def rebalanced(case, steps):
-    """A rebalance in the middle, forced by the test hook, changes nothing."""
-    steps = steps or 60
-    plain = case.run(DAM, "rebalance_none", 3, (*SMALL, "parallel.rebalance=none"), ["--steps", steps])
-    forced = case.run(DAM, "rebalance_forced", 3, (*SMALL, f"parallel.rebalance_at={steps // 2}"), ["--steps", steps])
-    compare(case, plain, forced)
-    load = (forced / "load.csv").read_text(encoding="utf-8")
-    c.expect("rebalance" in load, f"{forced}/load.csv tells of no rebalance, though one was forced")
-    return f"{steps} steps with and without a forced rebalance are the same"
+    """Rebalances forced by the test hooks, by slabs and by METIS, change nothing, on any number of ranks."""
+    steps = steps or 30
+    plain = case.run(DAM, "rebalance_none", 1, (*SMALL, "parallel.rebalance=none"), ["--steps", steps])
+    for ranks in (1, 2, 3, 4, 7):
+        for method, first in (("metis", "slabs"), ("slabs", "metis")):
+            settings = (*SMALL, f"parallel.rebalance={method}", f"parallel.decomposition={first}",
+                        "parallel.rebalance_every=5", f"parallel.rebalance_at={steps // 2 + 1}")
+            forced = case.run(DAM, f"rebalance_{method}_{ranks}", ranks, settings, ["--steps", steps])
+            compare(case, plain, forced)
+            lines = rebalances(forced)
+            c.expect(len(lines) >= (steps - 1) // 5 + 1, f"{forced}: {len(lines)} rebalances")
+            c.expect(all(f"by {method} " in line for line in lines), f"{forced}: not all by {method}: {lines}")
+    return f"{steps} steps without and with rebalances by slabs and by METIS are the same on 1, 2, 3, 4, 7 ranks"
 
 
 def far_away(case, steps):

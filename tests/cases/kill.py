@@ -115,8 +115,9 @@ def play(case, rounds, seed, end):
     killed = into = finished = 0
     while killed < rounds:
         ranks = chance.choice([1, 2, 3, 4, 7])
-        rebalance = chance.choice(["none", "slabs"])
-        extra = ["--restart", "--set", f"parallel.rebalance={rebalance}"]
+        rebalance = chance.choice(["none", "slabs", "metis"])
+        extra = ["--restart", "--set", f"parallel.rebalance={rebalance}", "--set",
+                 f"parallel.rebalance_every={chance.choice([0, 5])}"]
         launcher = start(case, scene, output, ranks, extra)
         aimed = into < killed // 3
         if kill_in_time(case, launcher, output, chance, aimed, longest):

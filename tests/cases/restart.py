@@ -67,13 +67,13 @@ def exact(case, _):
         stops = sorted(chance.sample(range(5, count - 5), 3))
         ranks = chance.sample([1, 2, 3, 4, 7], 4)
         for k, (stop, size) in enumerate(zip([*stops, count + 1], ranks)):
-            settings = ["--set", f"parallel.rebalance={rebalance}", "--set", f"parallel.rebalance_at={stop - 3}"]
+            settings = ["--set", f"parallel.rebalance={rebalance}", "--set", "parallel.rebalance_every=9"]
             launch(case, scene_of(case), output, size, [*settings, "--steps", stop, *(["--restart"] if k else [])])
         expect_same_run(case, whole, output)
     return f"{count} steps, stopped after {stops} on {ranks} ranks: the same bytes"
 
 
-REBALANCES = ["none", "slabs"]
+REBALANCES = ["none", "slabs", "metis"]
 
 
 def stops(case, _):

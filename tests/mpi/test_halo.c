@@ -119,6 +119,10 @@ static void share_knowledge(world *w) {
   w->all_count = (int32_t)(bytes / sizeof *mine);
 }
 
+static void balance(world *w, hc_divider divider) {
+  hc_domain_balance(&w->domain, divider, &(hc_work){.fluid = &w->particles, .boundary = &w->particles}, NULL);
+}
+
 static void build(world *w) {
   hc_domain_migrate(&w->domain, &w->particles);
   hc_cells_bin(&w->cells, &w->particles);
@@ -142,9 +146,7 @@ static int64_t cell_along(int64_t units) {
 }
 
 static int owner_of(const world *w, const int64_t cell[3]) {
-  hc_brick brick;
-  for (int axis = 0; axis < 3; axis++) brick.x[axis] = (int32_t)(cell[axis] >> HC_BRICK_BITS);
-  return hc_domain_owner(&w->domain, brick);
+  return hc_domain_owner(&w->domain, cell);
 }
 
 static bool in_domain(const world *w, const int64_t cell[3]) {
@@ -302,16 +304,35 @@ static void check_world(const world *w, int32_t count) {
   EXPECT(order_is_right(w));
 }
 
+/* A map that no balance would make: each of 10^3 bricks of some size has any owner. */
+static void divide_wildly(world *w, int bits) {
+  enum { EDGE = 10 };
+  hc_map *map = &w->domain.map;
+  hc_interval intervals[EDGE * EDGE * EDGE];
+  for (int k = 0; k < EDGE * EDGE * EDGE; k++) {
+    int64_t cell[3] = {k % EDGE, k / EDGE % EDGE, k / (EDGE * EDGE)};
+    for (int axis = 0; axis < 3; axis++)
+      cell[axis] = cell_along(w->frame.low[axis]) + (cell[axis] - 2) * (1 << bits);
+    intervals[k].first = hc_map_brick(map, bits, cell);
+    intervals[k].rank = (int32_t)(mix((uint64_t)k) % (uint64_t)comm.size);
+  }
+  qsort(intervals, EDGE * EDGE * EDGE, sizeof *intervals, hc_map_by(HC_ORDER_MORTON));
+  hc_map_start(map, HC_ORDER_MORTON, bits);
+  for (int k = 0; k < EDGE * EDGE * EDGE; k++) hc_map_add(map, intervals[k].first, intervals[k].rank);
+}
+
 START_TEST(particles_see_what_brute_force_finds) {
   for (int r = 0; r < REGIONS; r++) {
     world w;
     world_init(&w, &regions[r], r % 2 ? HC_BOUNDARY : HC_FLUID);
     fill(&w, &regions[r]);
-    hc_domain_balance(&w.domain, &w.particles, &w.particles);
+    balance(&w, HC_DIVIDER_SLABS);
     build(&w);
     check_world(&w, regions[r].count);
-    for (int round = 0; round < 2; round++) { /* the same halo again; slabs as they were */
+    for (int round = 0; round < 4; round++) { /* the same halo again; every other time the division too */
       move(&w, round);
+      if (round == 1) balance(&w, HC_DIVIDER_METIS);
+      if (round == 3) divide_wildly(&w, r % (HC_MAP_MOST_BITS + 1));
       build(&w);
       check_world(&w, regions[r].count);
     }
@@ -362,7 +383,7 @@ START_TEST(refreshes_bring_the_owners_values) {
     world w;
     world_init(&w, &regions[r], HC_FLUID);
     fill(&w, &regions[r]);
-    hc_domain_balance(&w.domain, &w.particles, &w.particles);
+    balance(&w, HC_DIVIDER_METIS);
     build(&w);
     hc_particles *p = &w.particles;
     const int32_t own = p->own, all = own + p->ghosts;
@@ -406,7 +427,7 @@ START_TEST(refreshes_keep_their_order) {
   world w;
   world_init(&w, &regions[3], HC_FLUID);
   fill(&w, &regions[3]);
-  hc_domain_balance(&w.domain, &w.particles, &w.particles);
+  balance(&w, HC_DIVIDER_METIS);
   build(&w);
   hc_particles *p = &w.particles;
   uint64_t *id = hc_alloc((size_t)p->ghosts, sizeof *id);

@@ -273,6 +273,34 @@ START_TEST(a_tank_has_the_same_bits_on_one_rank) {
 }
 END_TEST
 
+/* Whole states with METIS at work in one step of two, first divided by slabs or by METIS. */
+START_TEST(metis_changes_no_bits) {
+  hc_scene scene = tank();
+  scene.parallel.rebalance = HC_REBALANCE_METIS;
+  scene.parallel.rebalance_every = 2;
+  compare_with_one_rank(&scene, 0, 16);
+  scene.parallel.decomposition = HC_DECOMPOSITION_METIS;
+  compare_with_one_rank(&scene, 0, 5);
+  scene = closed_box();
+  scene.parallel.rebalance = HC_REBALANCE_METIS;
+  scene.parallel.rebalance_every = 3;
+  compare_with_one_rank(&scene, 0.4, 12);
+}
+END_TEST
+
+/* Two cells of fluid: on several ranks most have none, before and after. */
+START_TEST(ranks_may_be_empty) {
+  hc_scene scene = make_scene(0.08, 0.04, 0.04);
+  scene.gravity[2] = -9.81;
+  block.velocity[0] = 3.0;
+  for (int divider = HC_REBALANCE_SLABS; divider <= HC_REBALANCE_METIS; divider++) {
+    scene.parallel.rebalance = (hc_rebalance)divider;
+    scene.parallel.rebalance_every = 2;
+    compare_with_one_rank(&scene, 0, 9);
+  }
+}
+END_TEST
+
 START_TEST(a_place_far_away_has_the_same_bits) {
   hc_scene scene = tank();
   scene.fluid.viscosity.model = HC_VISCOSITY_LAMINAR;
@@ -311,6 +339,8 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, a_free_block_falls_without_pressure);
   tcase_add_test(tests, a_closed_box_has_the_same_bits_on_one_rank);
   tcase_add_test(tests, a_tank_has_the_same_bits_on_one_rank);
+  tcase_add_test(tests, metis_changes_no_bits);
+  tcase_add_test(tests, ranks_may_be_empty);
   tcase_add_test(tests, a_place_far_away_has_the_same_bits);
   tcase_add_test(tests, a_rebalance_is_forced_and_loses_nothing);
   return run_mpi_tests("world", tests);

@@ -107,7 +107,8 @@ START_TEST(test_defaults) {
       "         warm_start: 0.5, min_divergence_neighbors: 20, negative_pressure: false}\n"
       "time_step: {control: cfl, factor: 0.4, max: 0.004, min: 0}\n"
       "output: {snapshots: {every: 0.05, fields: [velocity, density, pressure]}}\n"
-      "parallel: {decomposition: slabs, rebalance: slabs, rebalance_above: 1.1, rebalance_at: 0}\n"
+      "parallel: {decomposition: slabs, rebalance: metis, rebalance_above: 1.1, rebalance_at: 0,\n"
+      "           rebalance_every: 0}\n"
       "faults: {nan_at: 0, kick_at: 0}\n";
   hc_scene scene = read_good(SMALLEST, NULL), same = read_good(spelled_out, NULL);
   expect_same(&scene, &same);
@@ -166,7 +167,8 @@ static const char full[] =
     "  - {name: f, type: force, wall: wall_0, at: [1, 0, 0]}\n"
     "  - {name: g, type: energy, box: {min: [0, 0, 1], max: [2, 1, 1]}}\n"
     "  - {name: h, type: volume}\n"
-    "parallel: {rebalance: none, rebalance_above: 1, rebalance_at: 12}\n"
+    "parallel: {decomposition: metis, rebalance: none, rebalance_above: 1, rebalance_at: 12, "
+    "rebalance_every: 3}\n"
     "faults: {nan_at: 7, kick_at: 8}\n";
 
 START_TEST(test_values) {
@@ -203,10 +205,13 @@ START_TEST(test_values) {
   ck_assert_double_eq(walls[5].sphere.radius, 4.0);
   ck_assert_double_eq(walls[6].rotation.angle, 90.0);
   ck_assert_double_eq(walls[6].rotation.axis[2], 1.0);
+  ck_assert_int_eq(scene.parallel.decomposition, HC_DECOMPOSITION_METIS);
+  ck_assert_int_eq(scene.parallel.rebalance, HC_REBALANCE_NONE);
   ck_assert_int_eq(scene.parallel.rebalance_at, 12);
   ck_assert_int_eq(scene.faults.nan_at, 7);
   ck_assert_int_eq(scene.faults.kick_at, 8);
   ck_assert_double_eq(scene.time_step.min, 1e-4);
+  ck_assert_int_eq(scene.parallel.rebalance_every, 3);
   hc_scene_free(&scene);
 }
 END_TEST

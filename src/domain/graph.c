@@ -1,0 +1,113 @@
+#include "graph.h"
+
+#include "base/memory.h"
+#include "brick_set.h"
+
+#include <math.h>
+#include <string.h>
+
+/* METIS adds weights up in its own integers: all of them together stay below this. */
+static const double LARGEST_TOTAL = 1 << 30;
+
+/* A ghost of a fluid particle is refreshed many times a step, one of a boundary particle never. */
+enum { FLUID_GHOST = 16, BOUNDARY_GHOST = 1 };
+
+/* What the rows are built from. */
+typedef struct building {
+  const hc_bricks *bricks;
+  hc_brick_set set; /* numbered like the bricks */
+  bool periodic[3];
+  hc_brick low, high; /* bricks at the ends of periodic axes */
+  double
+      layer; /* the share of a brick's particles that lie at a face, scaled so that METIS can add them up */
+} building;
+
+static double ghosts_of(const hc_loaded_brick *brick) {
+  return (double)(FLUID_GHOST * brick->fluid + BOUNDARY_GHOST * brick->boundary);
+}
+
+/* The number of the brick behind a face, or -1. */
+static int32_t neighbor_of(const building *building, hc_brick brick, int face) {
+  const int axis = face / 2, step = face % 2 ? 1 : -1;
+  int32_t *x = &brick.x[axis];
+  const int32_t end = (step > 0 ? &building->high : &building->low)->x[axis];
+  if (building->periodic[axis] && *x == end)
+    *x = (step > 0 ? &building->low : &building->high)->x[axis];
+  else if (__builtin_add_overflow(*x, step, x))
+    return -1;
+  return hc_brick_set_find(&building->set, brick);
+}
+
+/* Writes the row of brick k behind `used` entries; returns where it ends. Two bricks may share two faces, one
+ * across a periodic border: one edge. */
+static idx_t write_row(hc_graph *graph, const building *building, int32_t k, idx_t used) {
+  const hc_loaded_brick *brick = &building->bricks->brick[k];
+  const idx_t begin = used;
+  for (int face = 0; face < HC_GRAPH_FACES; face++) {
+    const int32_t other = neighbor_of(building, brick->brick, face);
+    if (other < 0 || other == k) continue;
+    const double ghosts = building->layer * (ghosts_of(brick) + ghosts_of(&building->bricks->brick[other]));
+    idx_t entry = begin;
+    while (entry < used && graph->adjacent[entry] != other) entry++;
+    if (entry == used) {
+      graph->adjacent[used] = other;
+      graph->edge_weight[used++] = 0;
+    }
+    graph->edge_weight[entry] += (idx_t)fmax(1.0, ghosts + 0.5);
+  }
+  return used;
+}
+
+static void find_ends(building *building, const hc_map *map, const hc_frame *frame) {
+  int64_t first[3], last[3];
+  for (int axis = 0; axis < 3; axis++) {
+    building->periodic[axis] = frame->period[axis] > 0;
+    first[axis] = hc_frame_cell(frame->low[axis]);
+    last[axis] = first[axis] + hc_frame_cell(frame->period[axis]) - 1;
+  }
+  building->low = hc_map_brick(map, map->bits, first);
+  building->high = hc_map_brick(map, map->bits, last);
+}
+
+void hc_graph_init(hc_graph *graph, const hc_bricks *bricks, const hc_map *map, const hc_frame *frame) {
+  const size_t count = (size_t)bricks->count;
+  *graph = (hc_graph){.count = bricks->count,
+                      .start = hc_alloc(count + 1, sizeof(idx_t)),
+                      .adjacent = hc_alloc(HC_GRAPH_FACES * count, sizeof(idx_t)),
+                      .edge_weight = hc_alloc(HC_GRAPH_FACES * count, sizeof(idx_t)),
+                      .vertex_weight = hc_alloc(count, sizeof(idx_t))};
+  building building = {.bricks = bricks};
+  hc_brick_set_init(&building.set);
+  const double scale = fmin(1.0, LARGEST_TOTAL / fmax(1.0, bricks->weight));
+  double ghosts = 0.0;
+  for (int32_t k = 0; k < bricks->count; k++) {
+    graph->vertex_weight[k] = (idx_t)(scale * bricks->brick[k].weight + 0.5);
+    hc_brick_set_add(&building.set, bricks->brick[k].brick);
+    ghosts += HC_GRAPH_FACES * ghosts_of(&bricks->brick[k]);
+  }
+  building.layer = fmin(1.0, LARGEST_TOTAL / fmax(1.0, ghosts)) / (double)(1 << map->bits);
+  find_ends(&building, map, frame);
+  idx_t used = 0;
+  for (int32_t k = 0; k < bricks->count; k++) {
+    graph->start[k] = used;
+    used = write_row(graph, &building, k, used);
+  }
+  graph->start[bricks->count] = used;
+  hc_brick_set_free(&building.set);
+}
+
+void hc_graph_free(hc_graph *graph) {
+  hc_free(graph->start);
+  hc_free(graph->adjacent);
+  hc_free(graph->vertex_weight);
+  hc_free(graph->edge_weight);
+  memset(graph, 0, sizeof *graph);
+}
+
+int64_t hc_graph_edge_cut(const hc_graph *graph, const int32_t *part) {
+  int64_t cut = 0;
+  for (idx_t k = 0; k < graph->count; k++)
+    for (idx_t entry = graph->start[k]; entry < graph->start[k + 1]; entry++)
+      if (part[k] != part[graph->adjacent[entry]]) cut += graph->edge_weight[entry];
+  return cut / 2;
+}
