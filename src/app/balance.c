@@ -82,14 +82,17 @@ static void divide(hc_balance *balance, hc_world *world, int64_t step) {
   balance->last_imbalance = balance->imbalance;
 }
 
-/* Looks become rarer while a new division does not help, and as frequent as before when one has. */
-static void judge(hc_balance *balance) {
-  if (balance->last_imbalance == 0.0) return;
-  if (balance->imbalance < HELPED * balance->last_imbalance)
+/* Looks become rarer while rebalances do not help, and as frequent as before when one has; false if the last
+ * one has just been found not to. It is judged soon after, before imbalance can have grown again. */
+static bool judge(hc_balance *balance) {
+  if (balance->last_imbalance == 0.0) return true;
+  const bool helped = balance->imbalance < HELPED * balance->last_imbalance;
+  balance->last_imbalance = 0.0;
+  if (helped)
     balance->interval = SHORTEST_INTERVAL;
   else if (balance->interval < LONGEST_INTERVAL)
     balance->interval *= 2;
-  balance->last_imbalance = 0.0;
+  return helped;
 }
 
 bool hc_balance_look(hc_balance *balance, hc_world *world, int64_t step) {
@@ -100,11 +103,12 @@ bool hc_balance_look(hc_balance *balance, hc_world *world, int64_t step) {
   if (!forced && !due) return false;
   hc_stopwatch_enter(&world->watch, HC_STAGE_BALANCE);
   const double saved = measure(balance, world->comm);
-  judge(balance);
+  const bool helped = judge(balance);
   const double gain = saved * (double)(step - balance->last);
-  const bool worth = due && balance->imbalance > scene->parallel.rebalance_above && gain > balance->cost;
+  const bool worth =
+      due && helped && balance->imbalance > scene->parallel.rebalance_above && gain > balance->cost;
   if (forced || worth) divide(balance, world, step);
-  balance->next_look = step + balance->interval;
+  balance->next_look = step + (forced || worth ? SHORTEST_INTERVAL : balance->interval);
   balance->work = 0.0;
   balance->work_steps = 0;
   return forced || worth;

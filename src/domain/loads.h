@@ -26,7 +26,7 @@ typedef struct hc_load {
 
 /* Edge bits for ownership bricks: the largest ones of which there are HC_BRICKS_A_RANK with fluid for every
  * rank, so that it can be balanced with; counts[b] is how many with 2^b cells along an edge. Local. */
-enum { HC_BRICKS_A_RANK = 128 };
+enum { HC_BRICKS_A_RANK = 64 };
 int hc_loads_choose_bits(const int64_t counts[HC_MAP_MOST_BITS + 1], int ranks);
 
 /* The same for the fluid of all ranks; a brick that several hold counts several times. Collective. */

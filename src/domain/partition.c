@@ -12,7 +12,7 @@ static const double ALLOWED_IMBALANCE = 1.03;
 enum {
   ALLOWED_PER_MILLE = 20,     /* what METIS is asked for */
   BOTH_WAYS_UP_TO = 200000,   /* vertices: beyond, the recursive way takes too long beside the k-way one */
-  TRIES = 4,                  /* of which METIS keeps the best, */
+  TRIES = 2,                  /* of which METIS keeps the best, */
   SEVERAL_TRIES_UP_TO = 20000 /* for graphs of at most so many vertices */
 };
 

@@ -153,7 +153,7 @@ START_TEST(bricks_end_where_their_numbers_do) {
 END_TEST
 
 START_TEST(bricks_are_as_large_as_balance_allows) {
-  const int64_t counts[HC_MAP_MOST_BITS + 1] = {64000, 8000, 1000, 130, 16, 2};
+  const int64_t counts[HC_MAP_MOST_BITS + 1] = {32000, 4000, 500, 65, 8, 1};
   ck_assert_int_eq(hc_loads_choose_bits(counts, 1), 3);
   ck_assert_int_eq(hc_loads_choose_bits(counts, 2), 2);
   ck_assert_int_eq(hc_loads_choose_bits(counts, 7), 2);
