@@ -7,10 +7,10 @@
 #include "app/simulation.h"
 #include "base/check.h"
 #include "base/memory.h"
+#include "full_tank.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,27 +22,6 @@ enum { MAX_REPEATS = 100, PIECE = 8 << 20 };
 static int ascending(const void *a, const void *b) {
   const double p = *(const double *)a, q = *(const double *)b;
   return (p > q) - (p < q);
-}
-
-static hc_scene make_scene(int64_t particles, hc_block *block, hc_wall *wall) {
-  const double edge = 0.02 * round(cbrt((double)particles));
-  memset(block, 0, sizeof *block);
-  memset(wall, 0, sizeof *wall);
-  block->box = (hc_box){{0, 0, 0}, {edge, edge, edge}};
-  wall->box = (hc_box){{0, 0, 0}, {edge, edge, 1.5 * edge}};
-  wall->open = HC_FACE_PLUS_Z;
-  hc_scene scene;
-  memset(&scene, 0, sizeof scene);
-  scene.particle_spacing = 0.02;
-  scene.support_radius = 0.04;
-  scene.end_time = 1.0;
-  scene.fluid.rest_density = 1000.0;
-  scene.fluid.mass_factor = 1.0;
-  scene.fluid.blocks = block;
-  scene.fluid.block_count = 1;
-  scene.boundary.walls = wall;
-  scene.boundary.wall_count = 1;
-  return scene;
 }
 
 /* Rank 0: a plain file of so many bytes, written from one piece of memory after the other, and synced. */
@@ -75,7 +54,7 @@ int main(int argc, char **argv) {
            "usage: bench_checkpoint [DIRECTORY [PARTICLES >= 1000 [REPEATS 1 to %d]]]", MAX_REPEATS);
   hc_block block;
   hc_wall wall;
-  hc_scene scene = make_scene(particles, &block, &wall);
+  hc_scene scene = full_tank(particles, &block, &wall);
   hc_simulation simulation;
   hc_error error = {.status = HC_OK};
   HC_CHECK(hc_simulation_init(&simulation, &comm, &scene, &error) == HC_OK, "%s", error.text);

@@ -6,6 +6,7 @@
 #include "app/simulation.h"
 #include "base/check.h"
 #include "base/memory.h"
+#include "full_tank.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -104,27 +105,6 @@ static double triad(void) {
   return 3.0 * sizeof(double) * TRIAD_LENGTH / best;
 }
 
-static hc_scene make_scene(int64_t particles, hc_block *block, hc_wall *wall) {
-  const double edge = 0.02 * round(cbrt((double)particles));
-  memset(block, 0, sizeof *block);
-  memset(wall, 0, sizeof *wall);
-  block->box = (hc_box){{0, 0, 0}, {edge, edge, edge}};
-  wall->box = (hc_box){{0, 0, 0}, {edge, edge, 1.5 * edge}};
-  wall->open = HC_FACE_PLUS_Z;
-  hc_scene scene;
-  memset(&scene, 0, sizeof scene);
-  scene.particle_spacing = 0.02;
-  scene.support_radius = 0.04;
-  scene.end_time = 1.0;
-  scene.fluid.rest_density = 1000.0;
-  scene.fluid.mass_factor = 1.0;
-  scene.fluid.blocks = block;
-  scene.fluid.block_count = 1;
-  scene.boundary.walls = wall;
-  scene.boundary.wall_count = 1;
-  return scene;
-}
-
 static void disturb(hc_world *world) {
   srand(1);
   for (int32_t k = 0; k < world->fluid.own; k++) {
@@ -151,7 +131,7 @@ int main(int argc, char **argv) {
 
   hc_block block;
   hc_wall wall;
-  const hc_scene scene = make_scene(particles, &block, &wall);
+  const hc_scene scene = full_tank(particles, &block, &wall);
   hc_simulation simulation;
   hc_error error = {.status = HC_OK};
   HC_CHECK(hc_simulation_init(&simulation, &comm, &scene, &error) == HC_OK, "%s", error.text);

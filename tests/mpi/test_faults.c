@@ -1,49 +1,18 @@
 /* Faults are found in the step in which they happen, whoever owns the particle, and named alike by all ranks.
  */
-#include "mpi_test.h"
-
-#include "app/simulation.h"
+#include "mpi_scene.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static hc_block block;
-static hc_wall wall;
-
 /* A column of 12 x 6 x 6 particles in a tank, in the scene file's defaults; rebalanced at the start, so that
  * every rank has some. */
-static hc_scene make_scene(void) {
-  hc_scene scene;
-  memset(&scene, 0, sizeof scene);
-  memset(&block, 0, sizeof block);
-  memset(&wall, 0, sizeof wall);
-  scene.particle_spacing = 0.02;
-  scene.support_radius = 0.04;
-  scene.gravity[2] = -9.81;
-  scene.end_time = 10.0;
-  scene.fluid.rest_density = 1000.0;
-  scene.fluid.mass_factor = 1.0;
-  scene.fluid.viscosity.model = HC_VISCOSITY_XSPH;
-  scene.fluid.viscosity.coefficient = 0.02;
-  block.box = (hc_box){{0, 0, 0}, {0.24, 0.12, 0.12}};
-  scene.fluid.blocks = &block;
-  scene.fluid.block_count = 1;
-  wall.box = (hc_box){{0, 0, 0}, {0.24, 0.12, 0.2}};
-  wall.open = HC_FACE_PLUS_Z;
-  scene.boundary.walls = &wall;
-  scene.boundary.wall_count = 1;
-  scene.boundary.contact = true;
-  scene.solver.density_error_avg = 1e-4;
-  scene.solver.divergence_error = 1e-3;
+static hc_scene tank(void) {
+  hc_scene scene = make_scene(0.24, 0.12, 0.12);
+  add_wall(&scene, 0.24, 0.12, 0.2, HC_FACE_PLUS_Z);
   scene.solver.density_iterations = (hc_iterations){2, 100};
   scene.solver.divergence_iterations = (hc_iterations){3, 100};
-  scene.solver.warm_start = 0.5;
-  scene.solver.relaxation = 1.0;
-  scene.solver.min_divergence_neighbors = 20;
-  scene.time_step.control = HC_TIME_CFL;
-  scene.time_step.factor = 0.4;
-  scene.time_step.max = 0.004;
   return scene;
 }
 
@@ -99,7 +68,7 @@ static void break_and_step(hc_comm *ranks, const hc_scene *scene, break_what wha
 }
 
 static void expect_named(break_what what, const char *sentence) {
-  const hc_scene scene = make_scene();
+  const hc_scene scene = tank();
   char name[64];
   for (uint64_t id = 0; id < PARTICLES; id += PARTICLES / 5) {
     hc_error error, alone;
@@ -155,7 +124,7 @@ static void broken_pressure(const hc_sweep *sweep, float weight, float *multipli
 }
 
 START_TEST(a_speed_that_the_solver_made) {
-  const hc_scene scene = make_scene();
+  const hc_scene scene = tank();
   hc_error error = {.status = HC_OK};
   hc_simulation simulation;
   if (hc_simulation_init(&simulation, &comm, &scene, &error) != HC_OK) ck_abort_msg("%s", error.text);
@@ -204,7 +173,7 @@ static void tilt_out(hc_scene *scene) {
 }
 
 START_TEST(particles_that_leave_end_the_run) {
-  hc_scene scene = make_scene();
+  hc_scene scene = tank();
   tilt_out(&scene);
   hc_error error = {.status = HC_OK};
   hc_simulation simulation;
@@ -218,7 +187,7 @@ START_TEST(particles_that_leave_end_the_run) {
 END_TEST
 
 START_TEST(particles_that_leave_are_removed) {
-  hc_scene scene = make_scene();
+  hc_scene scene = tank();
   tilt_out(&scene);
   scene.domain.leaving = HC_LEAVING_REMOVE;
   hc_error error = {.status = HC_OK};

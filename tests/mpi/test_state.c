@@ -1,7 +1,6 @@
 /* The state of a run: copies to go back to, across migration and rebalancing; checkpoints read back. */
-#include "mpi_test.h"
+#include "mpi_scene.h"
 
-#include "app/simulation.h"
 #include "io/checkpoint.h"
 #include "state/copy.h"
 
@@ -9,46 +8,13 @@
 #include <string.h>
 #include <unistd.h>
 
-static hc_block block;
-static hc_wall wall;
-
 /* A column that collapses in a tank, on few iterations. */
 static hc_scene dam(void) {
-  hc_scene scene;
-  memset(&scene, 0, sizeof scene);
-  memset(&block, 0, sizeof block);
-  memset(&wall, 0, sizeof wall);
+  hc_scene scene = make_scene(0.24, 0.12, 0.12);
   strcpy(scene.name, "dam");
-  scene.particle_spacing = 0.02;
-  scene.support_radius = 0.04;
-  scene.end_time = 10.0;
-  scene.gravity[2] = -9.81;
+  add_wall(&scene, 0.6, 0.12, 0.3, 0);
   scene.gravity[0] = 5.0;
-  scene.fluid.rest_density = 1000.0;
-  scene.fluid.mass_factor = 1.0;
-  scene.fluid.viscosity.model = HC_VISCOSITY_XSPH;
-  scene.fluid.viscosity.coefficient = 0.02;
-  block.box = (hc_box){{0, 0, 0}, {0.24, 0.12, 0.12}};
   block.velocity[0] = 1.5;
-  scene.fluid.blocks = &block;
-  scene.fluid.block_count = 1;
-  wall.box = (hc_box){{0, 0, 0}, {0.6, 0.12, 0.3}};
-  wall.inside = HC_INSIDE_FLUID;
-  scene.boundary.walls = &wall;
-  scene.boundary.wall_count = 1;
-  scene.boundary.contact = true;
-  scene.solver.density_error_avg = 1e-4;
-  scene.solver.divergence_error = 1e-3;
-  scene.solver.density_iterations = (hc_iterations){2, 6};
-  scene.solver.divergence_iterations = (hc_iterations){2, 4};
-  scene.solver.warm_start = 0.5;
-  scene.solver.relaxation = 1.0;
-  scene.solver.min_divergence_neighbors = 20;
-  scene.time_step.control = HC_TIME_CFL;
-  scene.time_step.factor = 0.4;
-  scene.time_step.max = 0.004;
-  scene.parallel.rebalance = HC_REBALANCE_SLABS;
-  scene.parallel.rebalance_above = 1.1;
   return scene;
 }
 
