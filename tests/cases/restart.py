@@ -1,5 +1,6 @@
 """Runs that are stopped and go on: the same bytes as without a stop, whatever the ranks; and checkpoints that are damaged."""
 
+import json
 import os
 import random
 import re
@@ -103,9 +104,11 @@ def stops(case, _):
     expect_same_run(case, whole, output)
 
     output = case.folder / "out_of_time"
+    alone = json.loads((whole / "timings.json").read_text(encoding="utf-8"))["wall_seconds"]
+    limit = f"{1.1 + 0.45 * alone:.2f}"  # a second is kept for the end
     sessions = 1
     while subprocess.run([*case.mpiexec, "-n", "2", case.halocline, "run", str(scene), "-o", str(output), "--restart",
-                          "--quiet", "--walltime", "2"], env={**MPI_ENVIRONMENT, **os.environ}, check=False,
+                          "--quiet", "--walltime", limit], env={**MPI_ENVIRONMENT, **os.environ}, check=False,
                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                          timeout=60).returncode == 75:
         sessions += 1
@@ -188,7 +191,7 @@ def damage(case, count):
     kept = case.folder / "kept"
     shutil.copytree(output, kept)
     chance = random.Random(7)
-    count = count or 25
+    count = count or 15
     for number in range(count):
         data = bytearray(good[1])
         place = len(data) * number // count + chance.randrange(max(1, len(data) // count))
@@ -241,7 +244,7 @@ def disk_full(case, _):
         output = disk / "run"
         often = ["--set", "output.checkpoints.every_steps=5", "--set", "output.snapshots.every=0.02"]
         launch(case, scene, output, 2, [*often, "--steps", 12])
-        for room in range(1200, 0, -140):
+        for room in range(1200, 0, -230):
             filler = disk / "filler"
             filler.unlink(missing_ok=True)
             free = shutil.disk_usage(disk).free
