@@ -25,7 +25,7 @@ ROOMS = {
     "boundary": ["sph"],
     "geometry": ["base"],
     "scene": ["base"],
-    "state": ["base", "particles", "domain"],
+    "state": ["base", "particles"],
     "rigid": ["comm", "particles", "geometry", "state"],
     "sources": ["geometry", "domain", "state"],
     "solver": ["sph", "boundary", "rigid", "domain", "comm"],
