@@ -25,7 +25,7 @@ ROOMS = {
     "boundary": ["sph"],
     "geometry": ["base"],
     "scene": ["base"],
-    "state": ["base", "particles"],
+    "state": ["base", "particles", "domain"],
     "rigid": ["comm", "particles", "geometry", "state"],
     "sources": ["geometry", "domain", "state"],
     "solver": ["sph", "boundary", "rigid", "domain", "comm"],
@@ -33,7 +33,7 @@ ROOMS = {
     "setup": ["scene", "geometry", "domain", "solver"],
     "window": ["setup", "domain", "state"],
     "io": ["state", "scene", "comm"],
-    "gauges": ["sph", "geometry", "comm", "scene", "state"],
+    "gauges": ["sph", "geometry", "comm", "scene"],
     "app": ["stepping", "sources", "window", "io", "gauges"],
     "api": "everything",
 }

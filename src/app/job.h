@@ -6,6 +6,7 @@
 #include "base/warnings.h"
 #include "explain.h"
 #include "gauges/gauges.h"
+#include "io/checkpoint.h"
 #include "io/log.h"
 #include "io/progress.h"
 #include "io/tables.h"
@@ -40,6 +41,8 @@ typedef struct hc_job {
   char directory[HC_TEXT_PATH];
   char checkpoint[HC_TEXT_PATH]; /* that the run goes on from; empty: it starts */
   char *changed;                 /* keys that differ harmlessly from the checkpoint's scene; may be null */
+  hc_checkpoint_facts written;   /* of the checkpoint */
+  bool taken_back;               /* there are checkpoints of later steps */
   int lock;                      /* on the directory, see run_dir.h */
   hc_log log;
   hc_tables tables;
@@ -48,9 +51,10 @@ typedef struct hc_job {
   hc_gauges gauges;
   double *gauge_values;
   hc_job_counts counts;
-  int64_t first_step;                      /* the step that this session started from */
+  int64_t first_step;                      /* the step that this session started from, */
+  double first_time;                       /* and the time, s */
   double particle_steps;                   /* fluid particles summed over the steps of this session */
-  double launched;                         /* wall clock, when the program began */
+  double launched;                         /* wall clock, when the program began, before MPI */
   double started;                          /* wall clock, when the steps began */
   double last_checkpoint;                  /* wall clock */
   double checkpoint_seconds, slowest_step; /* s: the last checkpoint, the slowest step of this session */

@@ -1,6 +1,7 @@
 /* The files of a job: log, tables, timings. */
 #include "base/memory.h"
 #include "halocline/version.h"
+#include "io/atomic_file.h"
 #include "io/run_dir.h"
 #include "io/timings.h"
 #include "job.h"
@@ -25,26 +26,26 @@ static char *gauge_names(const hc_scene *scene) {
 
 hc_status hc_job_open_files(hc_job *job, hc_error *error) {
   const bool resumed = *job->checkpoint != '\0';
-  const bool cut = resumed && !hc_job_is_over(job); /* else what was written at the end stays */
+  const bool cut = resumed && (job->taken_back || !hc_job_is_over(job)); /* else the end's files stay */
   const hc_run_dir_mode mode = resumed                                        ? HC_RUN_DIR_RESUME
                                : job->options->force || job->options->restart ? HC_RUN_DIR_FORCE
                                                                               : HC_RUN_DIR_NEW;
   if (job->lock < 0 && hc_run_dir_lock(job->comm, job->directory, &job->lock, error) != HC_OK)
     return error->status;
   if (hc_run_dir_open(job->comm, job->directory, mode, error) != HC_OK) return error->status;
-  if (job->lock < 0 && hc_run_dir_lock(job->comm, job->directory, &job->lock, error) != HC_OK) /* it is new */
+  if (job->lock < 0 && /* it is new; perhaps not to us alone */
+      (hc_run_dir_lock(job->comm, job->directory, &job->lock, error) != HC_OK ||
+       hc_run_dir_open(job->comm, job->directory, mode, error) != HC_OK))
     return error->status;
-  if (job->comm->rank == 0) {
-    char path[HC_TEXT_PATH + 16];
-    snprintf(path, sizeof path, "%s/scene.yaml", job->directory);
-    if (hc_scene_write(job->scene, path, error) == HC_OK &&
-        hc_log_open(&job->log, job->directory, resumed, error) == HC_OK) {
-      char *names = gauge_names(job->scene);
+  if (job->comm->rank == 0 && hc_log_open(&job->log, job->directory, resumed, error) == HC_OK) {
+    if (cut) hc_run_dir_cut(job->directory, job->simulation.step, job->counts.snapshots, error);
+    char *names = gauge_names(job->scene), *scene = hc_scene_text(job->scene);
+    if (error->status == HC_OK)
       hc_tables_open(&job->tables, job->directory, names, resumed ? job->simulation.step : -1,
                      cut ? job->counts.gauge_time : INFINITY, error);
-      hc_free(names);
-    }
-    if (cut && error->status == HC_OK) hc_run_dir_cut(job->directory, job->counts.snapshots, error);
+    if (error->status == HC_OK) hc_atomic_file_write(job->directory, "scene.yaml", scene, error);
+    hc_free(names);
+    hc_free(scene);
   }
   return hc_comm_agree(job->comm, error);
 }
@@ -66,8 +67,16 @@ void hc_job_log_start(hc_job *job) {
   for (int k = 0; k < job->options->override_count; k++)
     hc_log_info(&job->log, "--set %s", job->options->overrides[k]);
   if (*job->checkpoint)
-    hc_log_info(&job->log, "goes on from %s: step %lld, t = %g s", job->checkpoint,
-                (long long)simulation->step, simulation->time);
+    hc_log_info(&job->log, "goes on from %s, written by %lld ranks: step %lld, t = %g s", job->checkpoint,
+                (long long)job->written.ranks, (long long)simulation->step, simulation->time);
+  const char *then = job->written.instruction_set, *now = hc_isa_name(simulation->isa),
+             *portable = hc_isa_name(HC_ISA_PORTABLE);
+  if (*job->checkpoint && strcmp(then, now) != 0 &&
+      (strcmp(then, portable) == 0 || strcmp(now, portable) == 0))
+    hc_log_warn(&job->log,
+                "the checkpoint was written by pair loops for %s, these are for %s: the run goes on, but not "
+                "to the same bits",
+                then, now);
   if (job->changed && *job->changed) hc_log_info(&job->log, "changed since then: %s", job->changed);
   static const char *const viscosities[] = {"none", "xsph", "artificial", "laminar"};
   hc_log_info(&job->log, "solver %s, boundary %s with volume factor %.6g, viscosity %s %g",
@@ -144,7 +153,7 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
                               .boundary_particles = world->boundary_total,
                               .particle_steps = job->particle_steps,
                               .wall_seconds = wall,
-                              .simulated_seconds = simulation->time,
+                              .simulated_seconds = simulation->time - job->first_time,
                               .halo_bytes = sums[0],
                               .messages = sums[1],
                               .sparse_exchanges = counts.sparse_exchanges,

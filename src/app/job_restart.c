@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "io/checkpoint.h"
 #include "io/run_dir.h"
+#include "io/seal.h"
 #include "job.h"
 #include "scene/compare.h"
 #include "scene_input.h"
@@ -9,6 +10,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Before one has been written, checkpoints are taken to be this slow. */
 static const double SLOW_DISK = 50e6; /* bytes/s */
@@ -16,7 +18,10 @@ static const double SLOW_DISK = 50e6; /* bytes/s */
 void hc_job_register(hc_job *job) {
   hc_state *state = &job->simulation.state;
   hc_job_counts *counts = &job->counts;
-  hc_gauges_register(&job->gauges, state);
+  hc_state_add(state, HC_TYPE_f64, 1, &job->gauges.elapsed, "gauges.elapsed");
+  for (int g = 0; g < job->scene->output.gauge_count; g++)
+    hc_state_add(state, HC_TYPE_f64, HC_GAUGE_COLUMNS, job->gauges.state[g].integral, "gauges.%d.integral",
+                 g);
   hc_state_add(state, HC_TYPE_i64, 1, &counts->snapshots, "snapshots");
   hc_state_add(state, HC_TYPE_i64, 1, &counts->departed, "departed");
   hc_state_add(state, HC_TYPE_i64, 1, &counts->density_caps, "density_caps");
@@ -41,7 +46,7 @@ static hc_status choose(hc_job *job, hc_error *error) {
     if (job->comm->rank == 0) hc_text_path(job->checkpoint, error, "%s", job->options->restart_file);
     if (hc_comm_agree(job->comm, error) != HC_OK) return error->status;
     hc_comm_broadcast(job->comm, job->checkpoint, sizeof job->checkpoint, 0);
-    return hc_checkpoint_verify(job->comm, job->checkpoint, error);
+    return hc_seal_check(job->comm, job->checkpoint, error);
   }
   int64_t step = INT64_MAX;
   int passed_over = 0;
@@ -50,7 +55,7 @@ static hc_status choose(hc_job *job, hc_error *error) {
       return error->status;
     if (step < 0) break;
     hc_error reason = {.status = HC_OK};
-    if (hc_checkpoint_verify(job->comm, job->checkpoint, &reason) == HC_OK) return HC_OK;
+    if (hc_seal_check(job->comm, job->checkpoint, &reason) == HC_OK) return HC_OK;
     hc_warnings_add(warnings_of(job), "checkpoint passed over: %s", reason.text);
     passed_over++;
   }
@@ -68,47 +73,52 @@ static hc_status choose(hc_job *job, hc_error *error) {
 
 /* ---- under which scene ---- */
 
-static hc_status compare_scenes(hc_job *job, const char *text, hc_error *error) {
+/* Holds the job's scene against the text of another, which `where` has. `harmless`: receives the keys that
+ * differ and may (the caller's to free); null: nobody wants to know. */
+static hc_status compare_scenes(const hc_job *job, const char *text, const char *where, char **harmless,
+                                hc_error *error) {
   const char *names[HC_FIELD_COUNT];
   hc_scene_limits limits = hc_scene_input_limits(names);
   limits.check = NULL; /* it has run before */
   hc_scene before;
   hc_error problem = {.status = HC_OK};
-  if (hc_scene_read_text(&before, job->checkpoint, text, strlen(text), NULL, 0, &limits, NULL, &problem) !=
-      HC_OK) {
+  if (hc_scene_read_text(&before, where, text, strlen(text), NULL, 0, &limits, NULL, &problem) != HC_OK) {
     char reason[HC_ERROR_TEXT / 2];
     snprintf(reason, sizeof reason, "%.*s", (int)sizeof reason - 1, problem.text);
-    return hc_error_set(error, HC_IO_FAILED, "%s: its scene cannot be read: %s", job->checkpoint, reason);
+    return hc_error_set(error, HC_IO_FAILED, "%s: its scene cannot be read: %s", where, reason);
   }
   hc_scene_changes changes = hc_scene_compare(&before, job->scene);
   if (*changes.refused)
-    hc_error_set(error, HC_BAD_INPUT,
-                 "the run in %s cannot go on under a scene that has changed: %.2000s; give the old values, "
-                 "or start over "
-                 "with --force",
-                 job->checkpoint, changes.refused);
-  job->changed = strdup(changes.harmless);
+    hc_error_set(
+        error, HC_BAD_INPUT,
+        "the run in %s cannot go on under a scene that has changed: %.2000s; give the old values, or "
+        "start over with --force",
+        where, changes.refused);
+  if (harmless) *harmless = strdup(changes.harmless);
   hc_scene_changes_free(&changes);
   hc_scene_free(&before);
   return error->status;
 }
 
+/* A checkpoint from elsewhere must not take over the directory of another run. */
+static hc_status compare_with_directory(const hc_job *job, hc_error *error) {
+  char path[HC_TEXT_PATH + 16], *text = NULL;
+  size_t length = 0;
+  snprintf(path, sizeof path, "%s/scene.yaml", job->directory);
+  if (job->comm->rank == 0 && access(path, F_OK) == 0 && hc_scene_load(path, &text, &length, error) == HC_OK)
+    compare_scenes(job, text, path, NULL, error);
+  hc_free(text);
+  return hc_comm_agree(job->comm, error);
+}
+
 hc_status hc_job_find_checkpoint(hc_job *job, hc_error *error) {
   if (hc_run_dir_lock(job->comm, job->directory, &job->lock, error) != HC_OK) return error->status;
   if (choose(job, error) != HC_OK || !*job->checkpoint) return error->status;
-  hc_checkpoint_facts facts;
-  if (hc_checkpoint_facts_read(job->comm, job->checkpoint, &facts, error) != HC_OK) return error->status;
-  compare_scenes(job, facts.scene_text, error);
-  const char *now = hc_isa_name(hc_isa_best());
-  if (strcmp(facts.instruction_set, now) != 0 &&
-      (strcmp(facts.instruction_set, hc_isa_name(HC_ISA_PORTABLE)) == 0 || hc_isa_best() == HC_ISA_PORTABLE))
-    hc_warnings_add(warnings_of(job),
-                    "the checkpoint was written by pair loops for %s, this machine has %s: the run goes on, "
-                    "but not to the "
-                    "same bits",
-                    facts.instruction_set, now);
-  hc_free(facts.scene_text);
-  return hc_comm_agree(job->comm, error);
+  if (hc_checkpoint_facts_read(job->comm, job->checkpoint, &job->written, error) != HC_OK)
+    return error->status;
+  compare_scenes(job, job->written.scene_text, job->checkpoint, &job->changed, error);
+  if (hc_comm_agree(job->comm, error) != HC_OK || !job->options->restart_file) return error->status;
+  return compare_with_directory(job, error);
 }
 
 hc_status hc_job_read_checkpoint(hc_job *job, hc_error *error) {
@@ -117,7 +127,12 @@ hc_status hc_job_read_checkpoint(hc_job *job, hc_error *error) {
     return error->status;
   hc_simulation_adopt(simulation);
   job->first_step = simulation->step;
-  return HC_OK;
+  job->first_time = simulation->time;
+  char newest[HC_TEXT_PATH];
+  int64_t step;
+  hc_checkpoint_find(job->comm, job->directory, INT64_MAX, newest, &step, error);
+  job->taken_back = step > simulation->step;
+  return error->status;
 }
 
 /* ---- writing ---- */

@@ -109,12 +109,12 @@ static void tell_departures(hc_job *job, char *event, size_t size) {
   const hc_departures *departures = &job->simulation.departures;
   const long long step = (long long)job->simulation.step;
   if (departures->count == 0) return;
-  for (int k = 0; k < departures->named && job->counts.departed < HC_LEAVING_NAMED;
-       k++, job->counts.departed++)
+  int64_t told = 0;
+  for (; told < departures->named && job->counts.departed < HC_LEAVING_NAMED; told++, job->counts.departed++)
     hc_log_warn(&job->log, "step %lld: particle %lld has left the world at (%.6g, %.6g, %.6g) m; removed",
-                step, (long long)departures->first[k].id, departures->first[k].at[0],
-                departures->first[k].at[1], departures->first[k].at[2]);
-  if (departures->count > departures->named || job->counts.departed >= HC_LEAVING_NAMED)
+                step, (long long)departures->first[told].id, departures->first[told].at[0],
+                departures->first[told].at[1], departures->first[told].at[2]);
+  if (told < departures->count)
     hc_log_warn(&job->log, "step %lld: %lld particles have left the world; removed", step,
                 (long long)departures->count);
   snprintf(event + strlen(event), size - strlen(event), "%sremoved:%lld", event[0] ? "+" : "",
@@ -272,7 +272,8 @@ static hc_status run_with_files(hc_job *job, hc_error *error) {
                     job->scene->end_time);
   if (!*job->checkpoint && write_start(job, error) != HC_OK) return error->status;
   if (run_steps(job, error) != HC_OK) return error->status;
-  return hc_job_summarize(job, error);
+  const bool idle = *job->checkpoint && job->simulation.step == job->first_step;
+  return idle ? HC_OK : hc_job_summarize(job, error); /* what was said of the run's end holds */
 }
 
 /* The particles, from the scene or from a checkpoint, and the gauges among them. */
@@ -306,8 +307,7 @@ static void run_scene(hc_job *job, hc_error *error) {
 }
 
 /* Returns true if the run stopped early. */
-static bool simulate(hc_comm *comm, const hc_options *options, hc_error *error) {
-  const double launched = hc_seconds();
+static bool simulate(hc_comm *comm, const hc_options *options, double launched, hc_error *error) {
   hc_scene scene;
   const hc_scene_input input = {options->files[0], NULL, options->overrides, options->override_count};
   hc_warnings warnings = {0};
@@ -334,17 +334,19 @@ static bool simulate(hc_comm *comm, const hc_options *options, hc_error *error) 
   }
   const bool stopped = job->stopped;
   hc_free(job->changed);
+  hc_free(job->written.scene_text);
   hc_free(job);
   hc_warnings_free(&warnings);
   return stopped;
 }
 
 int hc_command_run(const hc_options *options) {
+  const double launched = hc_seconds();
   hc_comm comm;
   hc_comm_start(&comm, NULL, NULL);
   hc_stop_catch_signals();
   hc_error *error = hc_alloc_zero(1, sizeof *error);
-  const bool stopped = simulate(&comm, options, error);
+  const bool stopped = simulate(&comm, options, launched, error);
   const int code = error->status;
   if (code != HC_OK && comm.rank == 0) hc_command_fail(error);
   hc_free(error);

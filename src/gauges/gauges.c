@@ -82,12 +82,6 @@ void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, con
   }
 }
 
-void hc_gauges_register(hc_gauges *gauges, hc_state *state) {
-  hc_state_add(state, HC_TYPE_f64, 1, &gauges->elapsed, "gauges.elapsed");
-  for (int g = 0; g < gauges->scene->output.gauge_count; g++)
-    hc_state_add(state, HC_TYPE_f64, HC_GAUGE_COLUMNS, gauges->state[g].integral, "gauges.%d.integral", g);
-}
-
 hc_status hc_gauges_find_walls(hc_gauges *gauges, const hc_particles *boundary, hc_error *error) {
   for (int g = 0; g < gauges->scene->output.gauge_count; g++) {
     const hc_scene_gauge *gauge = &gauges->scene->output.gauges[g];

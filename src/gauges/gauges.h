@@ -21,7 +21,6 @@
 #include "scene/scene.h"
 #include "space/frame.h"
 #include "sph/sweeps.h"
-#include "state/state.h"
 
 enum { HC_GAUGE_COLUMNS = 6 }; /* the most that one gauge has */
 
@@ -47,9 +46,6 @@ typedef struct hc_gauges {
 void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
                     double mass);
 void hc_gauges_free(hc_gauges *gauges);
-
-/* Registers the averages under way. Local. */
-void hc_gauges_register(hc_gauges *gauges, hc_state *state);
 
 /* Finds the samples of the walls that are measured, before the first step or reading. Boundary particles must
  * be with their owners. HC_BAD_INPUT, agreed, for a pressure on a wall that has no sample within a support

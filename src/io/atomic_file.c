@@ -42,6 +42,14 @@ hc_status hc_atomic_file_commit(hc_atomic_file *file, hc_error *error) {
   return status;
 }
 
+hc_status hc_atomic_file_write(const char *directory, const char *name, const char *text, hc_error *error) {
+  hc_atomic_file file;
+  const hc_status status = hc_atomic_file_begin(&file, directory, name, error);
+  if (status != HC_OK) return status;
+  fputs(text, file.stream);
+  return hc_atomic_file_commit(&file, error);
+}
+
 /* A rename lasts through a power cut once its directory is synced. File systems that cannot sync a directory
  * say EINVAL or EBADF; nothing more can be done there. */
 static int sync_directory_of(const char *path) {

@@ -20,6 +20,9 @@ hc_status hc_atomic_file_begin(hc_atomic_file *file, const char *directory, cons
 /* Checks all that was written, syncs it and gives it its final name. On failure the temporary is removed. */
 hc_status hc_atomic_file_commit(hc_atomic_file *file, hc_error *error);
 
+/* All three in one, for a text that is there already. */
+hc_status hc_atomic_file_write(const char *directory, const char *name, const char *text, hc_error *error);
+
 /* Drops the temporary instead. */
 void hc_atomic_file_abandon(hc_atomic_file *file);
 

@@ -151,7 +151,3 @@ hc_status hc_checkpoint_write(hc_comm *comm, const hc_snapshot *moment, const hc
   }
   return problem.status;
 }
-
-hc_status hc_checkpoint_verify(hc_comm *comm, const char *path, hc_error *error) {
-  return hc_seal_check(comm, path, error);
-}

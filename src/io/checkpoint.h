@@ -13,8 +13,8 @@
 
 /* Writes DIRECTORY/checkpoints/ckpt_NNNNNNNN.h5 (NNNNNNNN = moment->step); the `keep` newest are kept, and
  * those of later steps removed, which belong to a run that was taken back. Collective; every rank returns the
- * same. On failure (HC_IO_FAILED: the disk is full, ...) older checkpoints are as they were. `bytes`: the
- * size of the file. */
+ * same. On failure (HC_IO_FAILED: the disk is full, ...; HC_FAILED: no memory) older checkpoints are as they
+ * were. `bytes`: the size of the file. */
 hc_status hc_checkpoint_write(hc_comm *comm, const hc_snapshot *moment, const hc_state *state,
                               const char *instruction_set, const char *directory, int keep, int64_t *bytes,
                               hc_error *error);
@@ -25,11 +25,8 @@ hc_status hc_checkpoint_write(hc_comm *comm, const hc_snapshot *moment, const hc
 hc_status hc_checkpoint_find(hc_comm *comm, const char *directory, int64_t below, char path[HC_TEXT_PATH],
                              int64_t *step, hc_error *error);
 
-/* Is the file at `path` a whole checkpoint of this format? Collective; HC_IO_FAILED, agreed, with the reason
- * if not. The functions below must only be given files for which it is. */
-hc_status hc_checkpoint_verify(hc_comm *comm, const char *path, hc_error *error);
-
-/* What a restart needs to know before it reads the state. */
+/* What a restart needs to know before it reads the state. This and the next function must only be given files
+ * that hc_seal_check has found whole. */
 typedef struct hc_checkpoint_facts {
   char *scene_text; /* zero-terminated; hc_free */
   char instruction_set[32];

@@ -105,12 +105,16 @@ static void put_field(void *context, hc_particles *particles, hc_field_id field)
 static void put_scene(const hc_checkpoint_content *content, hid_t group, hc_error *problem) {
   const hsize_t length = strlen(content->scene_text);
   const hid_t space = H5Screate_simple(1, &length, NULL);
+  const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
   const hid_t dataset =
-      H5Dcreate2(group, "scene_text", H5T_STD_U8LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+      properties >= 0 && H5Pset_obj_track_times(properties, false) >= 0
+          ? H5Dcreate2(group, "scene_text", H5T_STD_U8LE, space, H5P_DEFAULT, properties, H5P_DEFAULT)
+          : H5I_INVALID_HID;
   if (dataset < 0 || (content->comm->rank == 0 && H5Dwrite(dataset, H5T_NATIVE_UINT8, H5S_ALL, H5S_ALL,
                                                            H5P_DEFAULT, content->scene_text) < 0))
     hc_h5_failed(problem, HC_IO_FAILED, "cannot write the scene");
   if (dataset >= 0) H5Dclose(dataset);
+  if (properties >= 0) H5Pclose(properties);
   if (space >= 0) H5Sclose(space);
 }
 
@@ -145,15 +149,19 @@ void hc_checkpoint_content_write(const hc_checkpoint_content *content, hid_t fil
 
 /* ---- reading ---- */
 
+/* Opens the file on all ranks or on none. */
 static hid_t open_shared(hc_comm *comm, const char *path, hc_error *problem) {
   hid_t file = H5I_INVALID_HID;
+  if (!hc_memory_has(HC_H5_MEMORY)) hc_error_set(problem, HC_FAILED, "no memory to read it");
+  if (hc_comm_agree(comm, problem) != HC_OK) return file;
   const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   hc_h5_silence();
   if (access >= 0 && H5Pset_fapl_mpio(access, comm->mpi, MPI_INFO_NULL) >= 0)
     file = H5Fopen(path, H5F_ACC_RDONLY, access);
-  if (file < 0) hc_h5_failed(problem, HC_IO_FAILED, "%s: cannot be opened", path);
+  if (file < 0) hc_h5_failed(problem, HC_IO_FAILED, "cannot be opened");
   if (access >= 0) H5Pclose(access);
-  return file;
+  if (hc_comm_agree(comm, problem) != HC_OK) hc_h5_close_alone(file, problem);
+  return problem->status == HC_OK ? file : H5I_INVALID_HID;
 }
 
 /* An error inside the file, from now on with its name. */
@@ -161,7 +169,7 @@ static hc_status name_file(hc_comm *comm, const char *path, const hc_error *prob
   if (problem->status != HC_OK) {
     char reason[HC_ERROR_TEXT / 2];
     snprintf(reason, sizeof reason, "%.*s", (int)sizeof reason - 1, problem->text);
-    hc_error_set(error, HC_IO_FAILED, "%s: %s", path, reason);
+    hc_error_set(error, problem->status == HC_FAILED ? HC_FAILED : HC_IO_FAILED, "%s: %s", path, reason);
   }
   return hc_comm_agree(comm, error);
 }
@@ -183,9 +191,8 @@ hc_status hc_checkpoint_facts_read(hc_comm *comm, const char *path, hc_checkpoin
   memset(facts, 0, sizeof *facts);
   const hid_t file = open_shared(comm, path, &problem);
   const hid_t own = file < 0 ? H5I_INVALID_HID : H5Gopen2(file, "Halocline", H5P_DEFAULT);
-  if (own < 0) {
-    hc_h5_failed(&problem, HC_IO_FAILED, "it has no group /Halocline");
-  } else {
+  if (file >= 0 && own < 0) hc_h5_failed(&problem, HC_IO_FAILED, "it has no group /Halocline");
+  if (own >= 0) {
     hc_h5_get_text(own, "instruction_set", facts->instruction_set, sizeof facts->instruction_set, &problem);
     hc_h5_get(own, "ranks", H5T_NATIVE_INT64, 1, &facts->ranks, &problem);
     get_scene(own, &facts->scene_text, &problem);
@@ -254,7 +261,7 @@ static void read_all(hc_comm *comm, hid_t file, hc_state *state, hc_error *probl
 hc_status hc_checkpoint_read(hc_comm *comm, const char *path, hc_state *state, hc_error *error) {
   hc_error problem = {.status = HC_OK};
   const hid_t file = open_shared(comm, path, &problem);
-  if (hc_comm_agree(comm, &problem) == HC_OK) read_all(comm, file, state, &problem);
+  if (file >= 0) read_all(comm, file, state, &problem);
   if (file >= 0) H5Fclose(file);
   H5garbage_collect();
   return name_file(comm, path, &problem, error);

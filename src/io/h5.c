@@ -10,6 +10,10 @@ void hc_h5_silence(void) {
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
 }
 
+void hc_h5_close_alone(hid_t file, const hc_error *problem) {
+  if (file >= 0) hc_check_give_up((int)problem->status, "%s", problem->text);
+}
+
 /* The two innermost entries say what happened ("file open failed", "errno = 2, ..."); the rest say only
  * through which functions it came. */
 static herr_t collect(unsigned depth, const H5E_error2_t *entry, void *data) {

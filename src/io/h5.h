@@ -14,6 +14,14 @@
 /* Stops HDF5 from printing its error stack on stderr; its text is folded into ours. Local. */
 void hc_h5_silence(void);
 
+/* What HDF5 may want for itself while ranks write or read a file together, at the most: a rank that cannot
+ * have it must say so before, or it leaves the others waiting. */
+enum { HC_H5_MEMORY = 64 << 20 };
+
+/* Some ranks have a shared file open and others could not open it: as closing is collective, the program ends
+ * here with the status and text of `problem` if this rank has it. */
+void hc_h5_close_alone(hid_t file, const hc_error *problem);
+
 /* Puts a formatted message and HDF5's own reason into `problem` unless it already holds one; returns its
  * status. */
 hc_status hc_h5_failed(hc_error *problem, hc_status status, const char *format, ...)

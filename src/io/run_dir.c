@@ -100,12 +100,12 @@ static hc_status remove_numbered(const char *directory, const char *below, const
 }
 
 static hc_status clear_run(const char *directory, hc_error *error) {
-  hc_status status = HC_OK;
+  /* Checkpoints first: without them nobody takes a half cleared directory for a run that can go on. */
+  hc_status status = remove_numbered(directory, "checkpoints", "ckpt_", ".h5", 0, error);
   for (size_t k = 0; status == HC_OK && k < sizeof own_files / sizeof *own_files; k++)
     status = remove_file(directory, own_files[k], error);
   if (status == HC_OK) status = remove_numbered(directory, "snapshots", "snap_", ".hdf", 0, error);
   if (status == HC_OK) status = remove_numbered(directory, "snapshots", "fault_", ".hdf", 0, error);
-  if (status == HC_OK) status = remove_numbered(directory, "checkpoints", "ckpt_", ".h5", 0, error);
   return status;
 }
 
@@ -122,7 +122,9 @@ static bool lock_alone(int file) {
 
 hc_status hc_run_dir_lock(hc_comm *comm, const char *directory, int *lock, hc_error *error) {
   *lock = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (comm->rank == 0 && *lock >= 0 && !lock_alone(*lock))
+  /* Between giving up the one lock and getting the other somebody else may have come in. */
+  if (comm->rank == 0 && *lock >= 0 &&
+      (!lock_alone(*lock) || (flock(*lock, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK)))
     hc_error_set(error, HC_IO_FAILED,
                  "another run is at work in %s: wait for its end, or name another with -o", directory);
   if (hc_comm_agree(comm, error) == HC_OK) {
@@ -135,12 +137,25 @@ hc_status hc_run_dir_lock(hc_comm *comm, const char *directory, int *lock, hc_er
   return error->status;
 }
 
-hc_status hc_run_dir_cut(const char *directory, int64_t snapshots, hc_error *error) {
+hc_status hc_run_dir_cut(const char *directory, int64_t step, int64_t snapshots, hc_error *error) {
   char path[HC_TEXT_PATH];
   hc_status status = hc_text_path(path, error, "%s/snapshots", directory);
+  if (status == HC_OK) status = remove_numbered(directory, "checkpoints", "ckpt_", ".h5", step + 1, error);
+  if (status == HC_OK) status = remove_numbered(directory, "snapshots", "fault_", ".hdf", step + 1, error);
   if (status == HC_OK) status = remove_numbered(directory, "snapshots", "snap_", ".hdf", snapshots, error);
   if (status == HC_OK) status = hc_series_cut(path, (int)snapshots, error);
   return status;
+}
+
+static bool holds_checkpoint(const char *directory) {
+  char path[HC_TEXT_PATH];
+  bool found = false;
+  DIR *list = hc_text_path(path, NULL, "%s/checkpoints", directory) == HC_OK ? opendir(path) : NULL;
+  if (!list) return false;
+  for (const struct dirent *item = readdir(list); item && !found; item = readdir(list))
+    found = number_of(item->d_name, "ckpt_", ".h5") >= 0;
+  closedir(list);
+  return found;
 }
 
 hc_status hc_run_dir_open(hc_comm *comm, const char *directory, hc_run_dir_mode mode, hc_error *error) {
@@ -148,6 +163,7 @@ hc_status hc_run_dir_open(hc_comm *comm, const char *directory, hc_run_dir_mode 
   if (comm->rank == 0 && make_directories(directory, &problem) == HC_OK) {
     const char *held = holds(directory, "steps.csv")    ? "steps.csv"
                        : holds(directory, "scene.yaml") ? "scene.yaml"
+                       : holds_checkpoint(directory)    ? "checkpoints"
                                                         : NULL;
     if (mode == HC_RUN_DIR_NEW && held)
       hc_error_set(

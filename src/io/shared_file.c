@@ -24,10 +24,9 @@ static void check_size_limit(const hc_shared_file *file, int64_t bytes) {
 
 /* Every rank: HDF5 without memory on one of them leaves the others waiting. It takes far less. */
 static void check_memory(const hc_shared_file *file) {
-  enum { ROOM = 64 << 20 };
-  if (!hc_memory_has(ROOM))
+  if (!hc_memory_has(HC_H5_MEMORY))
     hc_error_set(file->problem, HC_FAILED, "out of memory: writing %s takes up to %d MiB more", file->final,
-                 ROOM >> 20);
+                 HC_H5_MEMORY >> 20);
 }
 
 /* Rank 0, before HDF5 knows the file: the plain errors (no such directory, no permission) in plain words. */
@@ -98,8 +97,12 @@ hc_status hc_shared_file_open(hc_shared_file *file, hc_comm *comm, const char *d
   check_shared(file);
   if (hc_comm_agree(comm, problem) != HC_OK) return problem->status;
   create_shared(file, user_block); /* empties it: reserve once more */
-  if (comm->rank == 0 && problem->status == HC_OK) reserve(file, bytes);
-  if (hc_comm_agree(comm, problem) != HC_OK && file->handle >= 0) {
+  if (hc_comm_agree(comm, problem) != HC_OK) {
+    hc_h5_close_alone(file->handle, problem);
+    return problem->status;
+  }
+  if (comm->rank == 0) reserve(file, bytes);
+  if (hc_comm_agree(comm, problem) != HC_OK) {
     H5Fclose(file->handle);
     file->handle = H5I_INVALID_HID;
   }

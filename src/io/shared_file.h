@@ -3,7 +3,8 @@
  *
  * Use: open, write the content, close, then seal if something is to be added to the finished file, publish.
  * Whatever happened before, hc_shared_file_end must be called; until it has been, `problem` keeps this rank's
- * first failure. Collective, all of it. Failures are HC_IO_FAILED. */
+ * first failure. Collective, all of it. Failures are HC_IO_FAILED, or
+ * HC_FAILED if the memory that HDF5 takes is not there. */
 #ifndef HC_SHARED_FILE_H
 #define HC_SHARED_FILE_H
 

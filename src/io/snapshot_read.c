@@ -300,12 +300,10 @@ hc_status hc_snapshot_read_open(const char *path, hc_snapshot_file *file, hc_err
   file->checkpoint = hc_seal_is_there(path);
   if (file->checkpoint && hc_seal_check(NULL, path, &problem) != HC_OK)
     return broken(file, error, "%s", problem.text);
-  const htri_t is_hdf5 = file->checkpoint || begins_as_hdf5(path);
-  if (!is_hdf5) return broken(file, error, "not an HDF5 file");
+  if (!file->checkpoint && !begins_as_hdf5(path)) return broken(file, error, "not an HDF5 file");
   file->handle = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file->handle < 0) {
-    hc_h5_failed(&problem, HC_BAD_INPUT,
-                 is_hdf5 > 0 ? "a damaged or truncated HDF5 file" : "not an HDF5 file");
+    hc_h5_failed(&problem, HC_BAD_INPUT, "a damaged or truncated HDF5 file");
     return broken(file, error, "%s", problem.text);
   }
   const hid_t own = H5Gopen2(file->handle, "Halocline", H5P_DEFAULT);

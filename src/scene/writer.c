@@ -1,14 +1,11 @@
 #include "writer.h"
 
 #include "base/check.h"
-#include "base/memory.h"
 #include "params.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { STEP = 2 };
 
@@ -140,47 +137,13 @@ static void write_table(FILE *out, const hc_param_table *table, const void *owne
   }
 }
 
-static void write_scene(FILE *out, const hc_scene *scene) {
-  fputs("# The scene as understood, every default filled in.\n", out);
-  write_table(out, &hc_params_scene, scene, 0, false);
-}
-
 char *hc_scene_text(const hc_scene *scene) {
   char *text = NULL;
   size_t length = 0;
   FILE *stream = open_memstream(&text, &length);
   HC_CHECK(stream, "no memory for the scene's text");
-  write_scene(stream, scene);
+  fputs("# The scene as understood, every default filled in.\n", stream);
+  write_table(stream, &hc_params_scene, scene, 0, false);
   HC_CHECK(fclose(stream) == 0, "no memory for the scene's text");
   return text;
-}
-
-hc_status hc_scene_write(const hc_scene *scene, const char *path, hc_error *error) {
-  static const char ending[] = ".tmp";
-  char *temporary = hc_alloc(strlen(path) + sizeof ending, 1);
-  strcat(strcpy(temporary, path), ending);
-  hc_status status = HC_OK;
-  FILE *file = fopen(temporary, "w");
-  if (!file) {
-    status = hc_error_set(error, HC_IO_FAILED, "%s: cannot be written: %s", temporary, strerror(errno));
-  } else {
-    write_scene(file, scene);
-    /* A full disk may show at any of these. */
-    bool good = fflush(file) == 0 && !ferror(file) && fsync(fileno(file)) == 0;
-    int failure = errno;
-    if (fclose(file) != 0 && good) {
-      good = false;
-      failure = errno;
-    }
-    if (good && rename(temporary, path) != 0) {
-      good = false;
-      failure = errno;
-    }
-    if (!good) {
-      remove(temporary);
-      status = hc_error_set(error, HC_IO_FAILED, "%s: cannot be written: %s", path, strerror(failure));
-    }
-  }
-  hc_free(temporary);
-  return status;
 }

@@ -5,15 +5,9 @@
 #include "params.h"
 #include "scene.h"
 
-#include "halocline/error.h"
-
-/* Writes the scene with every default filled in, but without keys that its modes do not use; reading the file
- * gives the same scene, bit for bit. The file appears whole or not at all: it is written as PATH.tmp, synced
- * and renamed. HC_IO_FAILED if that fails. Local. */
-/* The same text in memory; the caller's to free (hc_free). Local. */
+/* The scene with every default filled in, but without keys that its modes do not use; reading the text gives
+ * the same scene, bit for bit. The caller's to free (hc_free). Local. */
 char *hc_scene_text(const hc_scene *scene);
-
-hc_status hc_scene_write(const hc_scene *scene, const char *path, hc_error *error);
 
 /* One key's value as it stands in the text, for keys that are no list of maps; and whether the scene has it
  * at all, in the modes that it chooses. For compare.c. Local. */
