@@ -217,13 +217,13 @@ def damage(case, count):
     kept = case.folder / "kept"
     shutil.copytree(output, kept)
     chance = random.Random(7)
-    count = count or 15
+    count = count or 8
     for number in range(count):
         data = bytearray(good[1])
         place = len(data) * number // count + chance.randrange(max(1, len(data) // count))
         place = min(place, len(data) - 1)
         how = chance.choice(["flip", "flip", "zero", "cut", "grow", "hole", "swap"])
-        if number < 12:
+        if number < max(2, count // 10):
             place = chance.randrange(600)  # the seal and HDF5's own beginning
         if how == "flip":
             data[place] ^= 1 << chance.randrange(8)

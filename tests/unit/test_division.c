@@ -136,7 +136,7 @@ START_TEST(a_box_has_an_owner_only_if_all_its_cells_do) {
             ck_assert_int_eq(hc_map_owner(&map, hc_map_brick(&map, map.bits, cell)), owner);
     }
   }
-  ck_assert_int_gt(plain, 2000);
+  ck_assert_int_gt(plain, 700);
   hc_map_free(&map);
 }
 END_TEST
