@@ -74,6 +74,17 @@ def exact(case, _):
     return f"{count} steps, stopped after {stops} on {ranks} ranks: the same bytes"
 
 
+def brief(case, _):
+    """One stop, other ranks: for builds in which all takes its time."""
+    scene = scene_of(case)
+    one, other = case.folder / "at_once", case.folder / "in_two"
+    launch(case, scene, one, 1, ["--steps", 14])
+    launch(case, scene, other, 3, ["--steps", 9, "--set", "parallel.rebalance_every=4"])
+    launch(case, scene, other, 2, ["--steps", 14, "--restart"])
+    expect_same_run(case, one, other)
+    return "14 steps with a stop after 9: the same bytes"
+
+
 REBALANCES = ["none", "slabs", "metis"]
 
 
@@ -303,5 +314,5 @@ def disk_full(case, _):
 
 
 if __name__ == "__main__":
-    main(__doc__, {"exact": exact, "stops": stops, "scenes": scenes, "choice": choice, "taken_back": taken_back, "damage": damage,
+    main(__doc__, {"exact": exact, "brief": brief, "stops": stops, "scenes": scenes, "choice": choice, "taken_back": taken_back, "damage": damage,
                    "disk_full": disk_full})
