@@ -20,6 +20,7 @@ enum { EXIT_STOPPED = 75 };
 /* Is one of the multiples of `every` in (before, now]? A function of the two times alone, so that a restart
  * need not remember what was due. */
 static bool passes_multiple(double every, double before, double now) {
+  if (now - before >= every) return true; /* and below there are no more multiples than steps */
   double k = floor(before / every);
   while (every * k <= before) k += 1.0;
   while (k > 0.0 && every * (k - 1.0) > before) k -= 1.0;

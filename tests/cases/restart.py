@@ -145,6 +145,9 @@ def scenes(case, _):
     expect("changed since then: end_time: was 0.7, is 0.2; output.snapshots.every: was 0.1, is 0.05" in log, log)
     times = [float(t) for t in re.findall(r'"time":([0-9.e-]+)', (output / "snapshots/run.hdf.series").read_text())]
     expect(len(times) >= 4 and times == sorted(times) and times[-1] == 0.2, f"snapshots at {times}")
+    # an interval far below the step: one snapshot a step, and an end
+    launch(case, scene, case.folder / "often", 1, ["--steps", 3, "--set", "output.snapshots.every=1e-20"])
+    expect(len(snapshots(case.folder / "often")) == 4, "a snapshot of the start and of each step")
     text = launch(case, scene, output, 1, ["--restart", "--force"], 2)
     expect("exclude each other" in text, text)
     return "changes of physics are refused by name, others noted"
