@@ -198,6 +198,7 @@ static void register_state(hc_simulation *simulation) {
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.v_max, "v_max");
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.force_max, "force_max");
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->capped_at, "capped_at");
+  hc_state_add(state, HC_TYPE_i64, 1, &simulation->world.fluid_total, "fluid_total");
 }
 
 /* What is known of the particles before there are any. Agreed. */

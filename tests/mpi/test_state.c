@@ -73,6 +73,31 @@ START_TEST(a_state_comes_back_across_a_rebalance) {
 }
 END_TEST
 
+START_TEST(particles_that_left_come_back_too) {
+  hc_scene scene = dam();
+  scene.domain.leaving = HC_LEAVING_REMOVE;
+  hc_simulation simulation;
+  start(&simulation, &scene);
+  do_steps(&simulation, 3);
+  const int64_t all = simulation.world.fluid_total;
+  const uint64_t before = digest_of(&simulation);
+  hc_state_history history = {.count = 0};
+  hc_state_history_push(&history, &simulation.state, HC_FLUID);
+  hc_particles *fluid = &simulation.world.fluid;
+  for (int32_t k = 0; k < fluid->own; k++) /* every seventh is far away */
+    if (fluid->id[k] % 7 == 0) fluid->position[3 * k + 2] -= 1000 * HC_CELL_UNITS;
+  do_steps(&simulation, 1);
+  ck_assert_int_lt(simulation.world.fluid_total, all);
+  ck_assert(hc_state_history_return(&history, &simulation.state, 0));
+  ck_assert_int_eq(simulation.world.fluid_total, all);
+  EXPECT(digest_of(&simulation) == before);
+  do_steps(&simulation, 1);
+  ck_assert_int_eq(simulation.world.fluid_total, all);
+  hc_state_history_free(&history);
+  hc_simulation_free(&simulation);
+}
+END_TEST
+
 /* A folder that all ranks know. */
 static void make_folder(char folder[64]) {
   strcpy(folder, "halocline_state_XXXXXX");
@@ -130,6 +155,7 @@ int main(void) {
   hc_comm_start(&comm, NULL, NULL);
   TCase *tests = tcase_create("state");
   tcase_add_test(tests, a_state_comes_back_across_a_rebalance);
+  tcase_add_test(tests, particles_that_left_come_back_too);
   tcase_add_test(tests, a_checkpoint_is_the_state);
   return run_mpi_tests("state", tests);
 }
