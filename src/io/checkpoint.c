@@ -2,104 +2,55 @@
 
 #include "base/memory.h"
 #include "checkpoint_content.h"
+#include "numbered.h"
 #include "scene/writer.h"
 #include "seal.h"
 #include "shared_file.h"
 
-#include <dirent.h>
-#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 /* ---- the folder ---- */
 
-/* The step in a checkpoint's name; -1 if the name is not one. */
-static int64_t step_of(const char *name) {
-  int64_t step;
-  int end = 0;
-  if (sscanf(name, "ckpt_%" SCNd64 ".h5%n", &step, &end) != 1 || end == 0 || name[end] || step < 0) return -1;
-  return step;
-}
-
-static int descending(const void *a, const void *b) {
-  const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
-  return p > q ? -1 : p < q;
-}
-
-/* The steps of all checkpoints in a folder, newest first; null with `problem` set if it cannot be read. A
- * folder that is not there is empty. */
-static int64_t *list_steps(const char *folder, size_t *count, hc_error *problem) {
-  size_t room = 0;
-  int64_t *steps = NULL;
+/* The steps of a run's checkpoints, newest first. */
+static hc_status list_steps(const char *directory, int64_t **steps, size_t *count, hc_error *error) {
+  char folder[HC_TEXT_PATH];
   *count = 0;
-  hc_reserve((void **)&steps, &room, 16, 0, sizeof *steps);
-  DIR *list = opendir(folder);
-  if (!list && errno != ENOENT)
-    hc_error_set(problem, HC_IO_FAILED, "cannot list %s: %s", folder, strerror(errno));
-  while (list) {
-    errno = 0;
-    const struct dirent *item = readdir(list);
-    if (!item && errno) hc_error_set(problem, HC_IO_FAILED, "cannot list %s: %s", folder, strerror(errno));
-    if (!item) break;
-    const int64_t step = step_of(item->d_name);
-    if (step < 0) continue;
-    hc_reserve((void **)&steps, &room, *count + 1, *count, sizeof *steps);
-    steps[(*count)++] = step;
-  }
-  if (list) closedir(list);
-  if (*count) qsort(steps, *count, sizeof *steps, descending);
-  return steps;
+  const hc_status status = hc_text_path(folder, error, "%s/checkpoints", directory);
+  if (status != HC_OK) return status;
+  return hc_numbered_list(&(hc_numbered){folder, "ckpt_", ".h5"}, steps, count, error);
 }
 
-static void remove_file(const char *folder, const char *name) {
-  char path[HC_TEXT_PATH];
-  if (hc_text_path(path, NULL, "%s/%s", folder, name) == HC_OK) unlink(path);
-}
-
-/* Temporaries of runs that were killed. */
-static void remove_temporaries(const char *folder) {
-  DIR *list = opendir(folder);
-  if (!list) return;
-  for (const struct dirent *item = readdir(list); item; item = readdir(list)) {
-    const size_t length = strlen(item->d_name);
-    if (strncmp(item->d_name, ".ckpt_", 6) == 0 && length > 4 &&
-        strcmp(item->d_name + length - 4, ".tmp") == 0)
-      remove_file(folder, item->d_name);
-  }
-  closedir(list);
+static hc_status name_of(char path[HC_TEXT_PATH], const char *directory, int64_t step, hc_error *error) {
+  return hc_text_path(path, error, "%s/checkpoints/ckpt_%08" PRId64 ".h5", directory, step);
 }
 
 /* Rank 0, after a new one has appeared: what cannot be removed does no harm. */
-static void prune(const char *folder, int64_t newest, int keep) {
-  hc_error ignored = {.status = HC_OK};
+static void prune(const char *directory, int keep) {
+  int64_t *steps;
   size_t count;
-  int64_t *steps = list_steps(folder, &count, &ignored);
-  int kept = 0;
-  for (size_t k = 0; k < count; k++) {
-    if (steps[k] <= newest && kept++ < keep) continue;
-    char name[64];
-    snprintf(name, sizeof name, "ckpt_%08" PRId64 ".h5", steps[k]);
-    remove_file(folder, name);
+  if (list_steps(directory, &steps, &count, NULL) != HC_OK) return;
+  for (size_t k = (size_t)keep; k < count; k++) {
+    char path[HC_TEXT_PATH];
+    if (name_of(path, directory, steps[k], NULL) == HC_OK) unlink(path);
   }
   hc_free(steps);
-  remove_temporaries(folder);
 }
 
 hc_status hc_checkpoint_find(hc_comm *comm, const char *directory, int64_t below, char path[HC_TEXT_PATH],
                              int64_t *step, hc_error *error) {
   *step = -1;
   path[0] = '\0';
-  if (comm->rank == 0 && hc_text_path(path, error, "%s/checkpoints", directory) == HC_OK) {
-    size_t count;
-    int64_t *steps = list_steps(path, &count, error);
+  int64_t *steps;
+  size_t count;
+  if (comm->rank == 0 && list_steps(directory, &steps, &count, error) == HC_OK) {
     for (size_t k = 0; k < count && *step < 0; k++)
       if (steps[k] < below) *step = steps[k];
     hc_free(steps);
-    if (*step >= 0) hc_text_path(path, error, "%s/checkpoints/ckpt_%08" PRId64 ".h5", directory, *step);
+    if (*step >= 0) name_of(path, directory, *step, error);
   }
   hc_comm_broadcast(comm, step, sizeof *step, 0);
   hc_comm_broadcast(comm, path, HC_TEXT_PATH, 0);
@@ -128,7 +79,7 @@ hc_status hc_checkpoint_write(hc_comm *comm, const hc_snapshot *moment, const hc
                               const char *instruction_set, const char *directory, int keep, int64_t *bytes,
                               hc_error *error) {
   hc_error problem = {.status = HC_OK};
-  char name[64], folder[HC_TEXT_PATH];
+  char name[64];
   snprintf(name, sizeof name, "ckpt_%08" PRId64 ".h5", moment->step);
   char *scene_text = hc_scene_text(moment->scene);
   hc_checkpoint_content content = {.comm = comm,
@@ -140,9 +91,7 @@ hc_status hc_checkpoint_write(hc_comm *comm, const hc_snapshot *moment, const hc
   *bytes = 0;
   write_file(comm, &content, directory, name, bytes, &problem);
   hc_comm_broadcast(comm, bytes, sizeof *bytes, 0);
-  if (comm->rank == 0 && problem.status == HC_OK &&
-      hc_text_path(folder, &problem, "%s/checkpoints", directory) == HC_OK)
-    prune(folder, moment->step, keep);
+  if (comm->rank == 0 && problem.status == HC_OK) prune(directory, keep);
   hc_free(scene_text);
   if (problem.status != HC_OK) {
     char reason[HC_ERROR_TEXT - 192];

@@ -11,8 +11,8 @@
 #include "state/state.h"
 #include "text.h"
 
-/* Writes DIRECTORY/checkpoints/ckpt_NNNNNNNN.h5 (NNNNNNNN = moment->step); the `keep` newest are kept, and
- * those of later steps removed, which belong to a run that was taken back. Collective; every rank returns the
+/* Writes DIRECTORY/checkpoints/ckpt_NNNNNNNN.h5 (NNNNNNNN = moment->step); the `keep` newest are kept.
+ * Collective; every rank returns the
  * same. On failure (HC_IO_FAILED: the disk is full, ...; HC_FAILED: no memory) older checkpoints are as they
  * were. `bytes`: the size of the file. */
 hc_status hc_checkpoint_write(hc_comm *comm, const hc_snapshot *moment, const hc_state *state,

@@ -22,7 +22,6 @@ static int kind_index(const hc_particles *particles) {
 void hc_checkpoint_content_count(hc_checkpoint_content *content) {
   const hc_state *state = content->state;
   const int64_t own[2] = {state->fluid->own, state->boundary->own};
-
   for (int kind = FLUID; kind <= BOUNDARY; kind++)
     content->first[kind] = hc_comm_prefix_i64(content->comm, own[kind]);
   memcpy(content->total, own, sizeof content->total);
@@ -39,7 +38,6 @@ int64_t hc_checkpoint_content_bytes(const hc_checkpoint_content *content) {
 /* ---- writing ---- */
 
 typedef struct transfer {
-  hc_comm *comm;
   const int64_t *total, *first;
   hid_t group[2]; /* by kind, or the state's attributes in the first */
   hc_error *problem;
@@ -135,7 +133,7 @@ static void put_own(const hc_checkpoint_content *content, hid_t file, hc_error *
 
 void hc_checkpoint_content_write(const hc_checkpoint_content *content, hid_t file, hc_error *problem) {
   put_own(content, file, problem);
-  transfer out = {content->comm, content->total, content->first, {H5I_INVALID_HID, H5I_INVALID_HID}, problem};
+  transfer out = {content->total, content->first, {H5I_INVALID_HID, H5I_INVALID_HID}, problem};
   out.group[0] = hc_h5_create_group(file, "state", problem);
   hc_state_visit(content->state, 0, &(hc_state_visitor){.context = &out, .item = put_item});
   hc_h5_close_group(out.group[0], problem);
@@ -241,7 +239,7 @@ static hc_status share_rows(hc_comm *comm, const int64_t total[2], hc_state *sta
 
 static void read_all(hc_comm *comm, hid_t file, hc_state *state, hc_error *problem) {
   int64_t total[2] = {0, 0}, first[2];
-  transfer in = {comm, total, first, {H5I_INVALID_HID, H5I_INVALID_HID}, problem};
+  transfer in = {total, first, {H5I_INVALID_HID, H5I_INVALID_HID}, problem};
   const hid_t own = H5Gopen2(file, "Halocline", H5P_DEFAULT);
   hc_h5_get(own, "fluid_particles", H5T_NATIVE_INT64, 1, &total[FLUID], problem);
   hc_h5_get(own, "boundary_particles", H5T_NATIVE_INT64, 1, &total[BOUNDARY], problem);

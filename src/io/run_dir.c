@@ -1,13 +1,13 @@
 #include "run_dir.h"
 
+#include "base/memory.h"
+#include "numbered.h"
 #include "series.h"
 #include "text.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -61,42 +61,13 @@ static hc_status remove_file(const char *directory, const char *name, hc_error *
   return hc_error_set(error, HC_IO_FAILED, "cannot remove %s of the old run: %s", path, strerror(errno));
 }
 
-/* prefix, digits, suffix; also with a dot before and ".tmp" behind. The number, or -1 if the name is not one.
- */
-static long long number_of(const char *name, const char *prefix, const char *suffix) {
-  const bool temporary = *name == '.';
-  name += temporary;
-  const size_t length = strlen(prefix);
-  if (strncmp(name, prefix, length) != 0) return -1;
-  name += length;
-  const long long number = strtoll(name, NULL, 10);
-  const size_t digits = strspn(name, "0123456789");
-  name += digits;
-  if (digits == 0 || strncmp(name, suffix, strlen(suffix)) != 0) return -1;
-  return strcmp(name + strlen(suffix), temporary ? ".tmp" : "") == 0 ? number : -1;
-}
-
-/* Removes files with this number or a later one from a subdirectory. */
+/* Files of a run with this number or a later one. */
 static hc_status remove_numbered(const char *directory, const char *below, const char *prefix,
-                                 const char *suffix, long long from, hc_error *error) {
-  char path[HC_TEXT_PATH];
-  hc_status status = hc_text_path(path, error, "%s/%s", directory, below);
+                                 const char *suffix, int64_t from, hc_error *error) {
+  char folder[HC_TEXT_PATH];
+  const hc_status status = hc_text_path(folder, error, "%s/%s", directory, below);
   if (status != HC_OK) return status;
-  DIR *list = opendir(path);
-  if (!list) {
-    if (errno == ENOENT || errno == ENOTDIR) return HC_OK;
-    return hc_error_set(error, HC_IO_FAILED, "cannot list %s: %s", path, strerror(errno));
-  }
-  for (;;) {
-    errno = 0;
-    const struct dirent *item = readdir(list);
-    if (!item && errno)
-      status = hc_error_set(error, HC_IO_FAILED, "cannot list %s: %s", path, strerror(errno));
-    if (!item || status != HC_OK) break;
-    if (number_of(item->d_name, prefix, suffix) >= from) status = remove_file(path, item->d_name, error);
-  }
-  closedir(list);
-  return status;
+  return hc_numbered_remove(&(hc_numbered){folder, prefix, suffix}, from, error);
 }
 
 static hc_status clear_run(const char *directory, hc_error *error) {
@@ -148,14 +119,12 @@ hc_status hc_run_dir_cut(const char *directory, int64_t step, int64_t snapshots,
 }
 
 static bool holds_checkpoint(const char *directory) {
-  char path[HC_TEXT_PATH];
-  bool found = false;
-  DIR *list = hc_text_path(path, NULL, "%s/checkpoints", directory) == HC_OK ? opendir(path) : NULL;
-  if (!list) return false;
-  for (const struct dirent *item = readdir(list); item && !found; item = readdir(list))
-    found = number_of(item->d_name, "ckpt_", ".h5") >= 0;
-  closedir(list);
-  return found;
+  char folder[HC_TEXT_PATH];
+  int64_t *steps;
+  size_t count = 0;
+  if (hc_text_path(folder, NULL, "%s/checkpoints", directory) != HC_OK) return false;
+  if (hc_numbered_list(&(hc_numbered){folder, "ckpt_", ".h5"}, &steps, &count, NULL) == HC_OK) hc_free(steps);
+  return count > 0;
 }
 
 hc_status hc_run_dir_open(hc_comm *comm, const char *directory, hc_run_dir_mode mode, hc_error *error) {

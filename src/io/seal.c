@@ -15,6 +15,11 @@ enum { CHUNK = 4 << 20 };
 
 static const char magic[] = "Halocline checkpoint, format ";
 
+/* Without a communicator this process is all there is. */
+static hc_status agree(hc_comm *comm, hc_error *error) {
+  return comm ? hc_comm_agree(comm, error) : error->status;
+}
+
 /* Reads exactly `bytes` at `offset`; an end of file is an error too. */
 static hc_status read_at(int file, const char *path, void *to, size_t bytes, int64_t offset,
                          hc_error *error) {
@@ -63,7 +68,7 @@ static hc_status compute(hc_comm *comm, int file, const char *path, int64_t size
   memset(seal, 0, HC_SEAL_BYTES);
   snprintf(seal, HC_SEAL_BYTES, "%s%d\nbytes %lld\nxxh3-128 %016llx%016llx\n", magic, HC_CHECKPOINT_FORMAT,
            (long long)size, (unsigned long long)hash.high64, (unsigned long long)hash.low64);
-  return comm ? hc_comm_agree(comm, error) : error->status;
+  return agree(comm, error);
 }
 
 /* Opens the file on every rank and agrees on its size. Returns a descriptor, or -1 with an agreed error. */
@@ -80,7 +85,7 @@ static int open_all(hc_comm *comm, const char *path, int64_t *size, hc_error *er
   else
     *size = facts.st_size;
   if (comm) hc_comm_broadcast(comm, size, sizeof *size, 0);
-  if ((comm ? hc_comm_agree(comm, error) : error->status) == HC_OK) return file;
+  if (agree(comm, error) == HC_OK) return file;
   if (file >= 0) close(file);
   return -1;
 }
@@ -135,5 +140,5 @@ hc_status hc_seal_check(hc_comm *comm, const char *path, hc_error *error) {
       read_at(file, path, found, sizeof found, 0, error) == HC_OK)
     judge(path, found, expected, size, error);
   close(file);
-  return comm ? hc_comm_agree(comm, error) : error->status;
+  return agree(comm, error);
 }

@@ -148,7 +148,7 @@ hc_status hc_tables_sync(hc_tables *tables, hc_error *error) {
   for (int k = 0; k < 3; k++) {
     if (!all[k]->stream) continue;
     errno = 0;
-    if (fsync(fileno(all[k]->stream)) != 0 && errno != EINVAL && errno != EROFS) return failed(all[k], error);
+    if (fsync(fileno(all[k]->stream)) != 0) return failed(all[k], error);
   }
   return HC_OK;
 }
