@@ -7,7 +7,6 @@
 #include "base/check.h"
 #include "base/memory.h"
 #include "base/timer.h"
-#include "domain/brick_set.h"
 #include "domain/fringe.h"
 #include "domain/graph.h"
 

@@ -1,7 +1,6 @@
 #include "fringe.h"
 
 #include "base/memory.h"
-#include "brick_set.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,6 @@
 #include "graph.h"
 
 #include "base/memory.h"
-#include "brick_set.h"
 
 #include <math.h>
 #include <string.h>

@@ -162,8 +162,8 @@ void hc_halo_mark(hc_halo *halo, hc_cells *cells) {
   halo->cell_count = 0;
   if (halo->domain->comm->size == 1 && !frame->period[0] && !frame->period[1] && !frame->period[2]) return;
   marking marking = {.domain = halo->domain};
-  for (int32_t k = 0; k < cells->brick_count; k++) {
-    marking.brick = cells->bricks[k];
+  for (int32_t k = 0; k < cells->bricks.count; k++) {
+    marking.brick = cells->bricks.bricks[k];
     if (!look_around(&marking)) continue;
     for (int cell = 0; cell < HC_BRICK_CELLS; cell++) {
       if (cells->count[k][cell] == 0 || !(marking.border >> cell & 1)) continue;
@@ -208,7 +208,7 @@ static char *write_cell(const hc_halo *halo, const hc_cells *cells, const hc_hal
   for (int axis = 0; axis < 3; axis++) {
     const int64_t units = cell->shift[axis] * frame->period[axis];
     const int64_t global =
-        (int64_t)cells->bricks[brick].x[axis] * HC_BRICK_EDGE + parts[axis] + hc_frame_cell(units);
+        (int64_t)cells->bricks.bricks[brick].x[axis] * HC_BRICK_EDGE + parts[axis] + hc_frame_cell(units);
     header.brick.x[axis] = (int32_t)(global >> HC_BRICK_BITS);
     header.cell |= (int32_t)(global & (HC_BRICK_EDGE - 1)) << (axis * HC_BRICK_BITS);
     shift[axis] = (uint32_t)(uint64_t)units;

@@ -148,7 +148,7 @@ double hc_world_active_boundary(hc_world *world) {
     const int32_t slot = walls->own_cells[k];
     if (slot / HC_BRICK_CELLS != brick) {
       brick = slot / HC_BRICK_CELLS;
-      any = hc_cells_around(&world->cells, walls->bricks[brick], adjacent);
+      any = hc_cells_around(&world->cells, walls->bricks.bricks[brick], adjacent);
     }
     const int cell = slot % HC_BRICK_CELLS;
     if (any && near_fluid(&world->cells, adjacent, cell)) active += walls->count[brick][cell];

@@ -6,66 +6,36 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SMALLEST_TABLE = 64 };
-
 void hc_cells_init(hc_cells *cells) {
   memset(cells, 0, sizeof *cells);
-  cells->table = hc_alloc(SMALLEST_TABLE, sizeof *cells->table);
-  cells->table_mask = SMALLEST_TABLE - 1;
-  memset(cells->table, -1, SMALLEST_TABLE * sizeof *cells->table);
+  hc_brick_set_init(&cells->bricks);
 }
 
 void hc_cells_free(hc_cells *cells) {
-  hc_free(cells->bricks);
+  hc_brick_set_free(&cells->bricks);
   hc_free(cells->border);
   hc_free(cells->begin);
   hc_free(cells->count);
   hc_free(cells->own_cells);
-  hc_free(cells->table);
   hc_free(cells->slot);
   hc_free(cells->order);
   memset(cells, 0, sizeof *cells);
 }
 
-/* The table entry that holds the brick, or the empty one where it would go. */
-static uint32_t probe(const hc_cells *cells, hc_brick brick) {
-  uint32_t entry = hc_brick_hash(brick) & cells->table_mask;
-  while (cells->table[entry] >= 0 && !hc_brick_equal(cells->bricks[cells->table[entry]], brick))
-    entry = (entry + 1) & cells->table_mask;
-  return entry;
-}
-
 int32_t hc_cells_find(const hc_cells *cells, hc_brick brick) {
-  return cells->table[probe(cells, brick)];
-}
-
-static void grow_table(hc_cells *cells) {
-  const uint32_t size = 2 * (cells->table_mask + 1);
-  hc_free(cells->table);
-  cells->table = hc_alloc(size, sizeof *cells->table);
-  cells->table_mask = size - 1;
-  memset(cells->table, -1, size * sizeof *cells->table);
-  for (int32_t k = 0; k < cells->brick_count; k++) cells->table[probe(cells, cells->bricks[k])] = k;
+  return hc_brick_set_find(&cells->bricks, brick);
 }
 
 int32_t hc_cells_insert(hc_cells *cells, hc_brick brick) {
-  uint32_t entry = probe(cells, brick);
-  if (cells->table[entry] >= 0) return cells->table[entry];
-  if (2 * (uint32_t)(cells->brick_count + 1) > cells->table_mask) {
-    grow_table(cells);
-    entry = probe(cells, brick);
-  }
-  const int32_t index = cells->brick_count++;
+  const int32_t before = cells->bricks.count, index = hc_brick_set_add(&cells->bricks, brick);
+  if (index < before) return index;
   const size_t old = (size_t)index, now = old + 1;
   size_t *capacity = cells->brick_capacity;
-  hc_reserve((void **)&cells->bricks, &capacity[0], now, old, sizeof *cells->bricks);
-  hc_reserve((void **)&cells->border, &capacity[1], now, old, sizeof *cells->border);
-  hc_reserve((void **)&cells->begin, &capacity[2], now, old, sizeof *cells->begin);
-  hc_reserve((void **)&cells->count, &capacity[3], now, old, sizeof *cells->count);
-  cells->bricks[index] = brick;
+  hc_reserve((void **)&cells->border, &capacity[0], now, old, sizeof *cells->border);
+  hc_reserve((void **)&cells->begin, &capacity[1], now, old, sizeof *cells->begin);
+  hc_reserve((void **)&cells->count, &capacity[2], now, old, sizeof *cells->count);
   cells->border[index] = 0;
   memset(cells->count[index], 0, sizeof cells->count[index]);
-  cells->table[entry] = index;
   return index;
 }
 
@@ -82,8 +52,7 @@ bool hc_cells_around(const hc_cells *cells, hc_brick brick, int32_t adjacent[HC_
 
 void hc_cells_bin(hc_cells *cells, const hc_particles *particles) {
   const int32_t own = particles->own;
-  cells->brick_count = 0;
-  memset(cells->table, -1, (cells->table_mask + 1) * sizeof *cells->table);
+  hc_brick_set_clear(&cells->bricks);
   cells->own_cell_count = 0;
   hc_reserve((void **)&cells->slot, &cells->slot_capacity, (size_t)own, 0, sizeof *cells->slot);
   hc_brick last = {{0, 0, 0}};
@@ -143,8 +112,8 @@ static int32_t place_row(hc_cells *cells, const placed_brick *row, int32_t lengt
 
 /* Gives all cells of one class their places, row-major over the whole grid. */
 static int32_t place_cells(hc_cells *cells, const placed_brick *sorted, bool border, int32_t next) {
-  for (int32_t plane = 0; plane < cells->brick_count;) {
-    const int32_t plane_length = run_length(sorted + plane, cells->brick_count - plane, false);
+  for (int32_t plane = 0; plane < cells->bricks.count;) {
+    const int32_t plane_length = run_length(sorted + plane, cells->bricks.count - plane, false);
     for (int z = 0; z < HC_BRICK_EDGE; z++) {
       for (int32_t row = plane; row < plane + plane_length;) {
         const int32_t length = run_length(sorted + row, plane + plane_length - row, true);
@@ -178,13 +147,13 @@ void hc_place_refresh(hc_particles *particles) {
 
 void hc_cells_order(hc_cells *cells, hc_particles *particles) {
   const int32_t own = particles->own;
-  placed_brick *sorted = hc_alloc((size_t)cells->brick_count, sizeof *sorted);
+  placed_brick *sorted = hc_alloc((size_t)cells->bricks.count, sizeof *sorted);
   size_t occupied = 0;
-  for (int32_t k = 0; k < cells->brick_count; k++) {
-    sorted[k] = (placed_brick){cells->bricks[k], k};
+  for (int32_t k = 0; k < cells->bricks.count; k++) {
+    sorted[k] = (placed_brick){cells->bricks.bricks[k], k};
     for (int cell = 0; cell < HC_BRICK_CELLS; cell++) occupied += cells->count[k][cell] > 0;
   }
-  qsort(sorted, (size_t)cells->brick_count, sizeof *sorted, by_row);
+  qsort(sorted, (size_t)cells->bricks.count, sizeof *sorted, by_row);
 
   cells->own_cell_count = 0;
   hc_reserve((void **)&cells->own_cells, &cells->own_cells_capacity, occupied, 0, sizeof *cells->own_cells);

@@ -6,6 +6,7 @@
 #ifndef HC_CELLS_H
 #define HC_CELLS_H
 
+#include "brick_set.h"
 #include "frame.h"
 #include "particles/particles.h"
 
@@ -17,23 +18,14 @@ enum {
   HC_ADJACENT_SELF = 13
 };
 
-/* A brick's integer coordinates: cell coordinates >> HC_BRICK_BITS. The world ends where these do, 2^31
- * bricks from the origin. */
-typedef struct hc_brick {
-  int32_t x[3];
-} hc_brick;
-
 typedef struct hc_cells {
-  int32_t brick_count;
-  hc_brick *bricks;
+  hc_brick_set bricks;              /* by number, which is the index of what follows */
   uint64_t *border;                 /* bit per cell: own cells next to another rank's or an image's */
   int32_t (*begin)[HC_BRICK_CELLS]; /* first particle of each cell, */
   int32_t (*count)[HC_BRICK_CELLS]; /* and how many */
   int32_t *own_cells;               /* occupied own cells as brick * 64 + cell, in memory order */
   int32_t own_cell_count;
-  int32_t *table; /* open addressing: brick index or -1 */
-  uint32_t table_mask;
-  size_t brick_capacity[4], own_cells_capacity;
+  size_t brick_capacity[3], own_cells_capacity;
   int32_t *slot,
       *order; /* work space of the sort: brick * 64 + cell of each own particle, and its new order */
   size_t slot_capacity, order_capacity;
@@ -52,20 +44,6 @@ static inline int hc_cell_of(const int64_t position[3], hc_brick *brick) {
     part[axis] = (int)(cell & (HC_BRICK_EDGE - 1));
   }
   return hc_cell_in_brick(part[0], part[1], part[2]);
-}
-
-static inline bool hc_brick_equal(hc_brick a, hc_brick b) {
-  return a.x[0] == b.x[0] && a.x[1] == b.x[1] && a.x[2] == b.x[2];
-}
-
-/* For hash tables. */
-static inline uint32_t hc_brick_hash(hc_brick brick) {
-  uint64_t mixed = (uint64_t)(uint32_t)brick.x[0] * 0x9e3779b97f4a7c15ULL ^
-                   (uint64_t)(uint32_t)brick.x[1] * 0xc2b2ae3d27d4eb4fULL ^
-                   (uint64_t)(uint32_t)brick.x[2] * 0x165667b19e3779f9ULL;
-  mixed ^= mixed >> 29;
-  mixed *= 0xbf58476d1ce4e5b9ULL;
-  return (uint32_t)(mixed >> 32);
 }
 
 void hc_cells_init(hc_cells *cells);

@@ -44,10 +44,10 @@ static const hc_neighbor_loops *loops_of(hc_isa isa) {
 }
 
 static void find_adjacent(hc_neighbor_search *search, const hc_cells *target, const hc_cells *source) {
-  hc_reserve((void **)&search->adjacent, &search->adjacent_capacity, (size_t)target->brick_count, 0,
+  hc_reserve((void **)&search->adjacent, &search->adjacent_capacity, (size_t)target->bricks.count, 0,
              sizeof *search->adjacent);
-  for (int32_t k = 0; k < target->brick_count; k++)
-    hc_cells_around(source, target->bricks[k], search->adjacent[k]);
+  for (int32_t k = 0; k < target->bricks.count; k++)
+    hc_cells_around(source, target->bricks.bricks[k], search->adjacent[k]);
 }
 
 /* Splits a cell coordinate in [-1, HC_BRICK_EDGE] into the neighbouring brick (0, 1, 2) and the cell in it.
@@ -128,7 +128,8 @@ static void advance_window(window *window, int32_t index, int x, int y, int z) {
 static bool follows(const hc_cells *cells, int32_t slot, int32_t next) {
   const int cell = slot % HC_BRICK_CELLS, next_cell = next % HC_BRICK_CELLS;
   if (slot / HC_BRICK_CELLS == next / HC_BRICK_CELLS) return next_cell == cell + 1 && inside(next_cell) != 0;
-  const int32_t *a = cells->bricks[slot / HC_BRICK_CELLS].x, *b = cells->bricks[next / HC_BRICK_CELLS].x;
+  const int32_t *a = cells->bricks.bricks[slot / HC_BRICK_CELLS].x,
+                *b = cells->bricks.bricks[next / HC_BRICK_CELLS].x;
   return inside(cell) == HC_BRICK_EDGE - 1 && next_cell == cell - (HC_BRICK_EDGE - 1) && b[0] == a[0] + 1 &&
          b[1] == a[1] && b[2] == a[2];
 }

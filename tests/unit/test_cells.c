@@ -73,11 +73,11 @@ static bool is_border(const int64_t cell[3]) {
 }
 
 static void set_border_bits(hc_cells *cells) {
-  for (int32_t k = 0; k < cells->brick_count; k++)
+  for (int32_t k = 0; k < cells->bricks.count; k++)
     for (int bit = 0; bit < HC_BRICK_CELLS; bit++) {
       int64_t cell[3];
       for (int axis = 0; axis < 3; axis++)
-        cell[axis] = 4 * (int64_t)cells->bricks[k].x[axis] + (bit >> (2 * axis) & 3);
+        cell[axis] = 4 * (int64_t)cells->bricks.bricks[k].x[axis] + (bit >> (2 * axis) & 3);
       if (cells->count[k][bit] > 0 && is_border(cell)) cells->border[k] |= 1ULL << bit;
     }
 }
@@ -121,7 +121,7 @@ static void check_order(const hc_cells *cells, const hc_particles *particles, bo
     for (int32_t end = next + cells->count[brick][bit]; next < end && next < particles->own; next++) {
       hc_brick own;
       good &= hc_cell_of(&particles->position[3 * next], &own) == bit;
-      good &= hc_brick_equal(own, cells->bricks[brick]);
+      good &= hc_brick_equal(own, cells->bricks.bricks[brick]);
     }
   }
   ck_assert_int_eq(next, particles->own);
@@ -198,14 +198,14 @@ START_TEST(binning_starts_afresh) {
   hc_particles_resize(&particles, 1);
   memset(particles.position, 0, 3 * sizeof *particles.position);
   hc_cells_bin(&cells, &particles);
-  ck_assert_int_eq(cells.brick_count, 1);
+  ck_assert_int_eq(cells.bricks.count, 1);
   ck_assert_int_eq(hc_cells_find(&cells, (hc_brick){{1000, 1000, 1000}}), -1);
   ck_assert_int_eq(hc_cells_find(&cells, (hc_brick){{0, 0, 0}}), 0);
   hc_cells_order(&cells, &particles);
   hc_particles_resize(&particles, 0);
   hc_cells_bin(&cells, &particles);
   hc_cells_order(&cells, &particles);
-  ck_assert(cells.brick_count == 0 && cells.own_cell_count == 0 && particles.border == 0);
+  ck_assert(cells.bricks.count == 0 && cells.own_cell_count == 0 && particles.border == 0);
   hc_particles_free(&particles);
   hc_cells_free(&cells);
 }
@@ -223,7 +223,7 @@ START_TEST(the_table_grows_and_finds_everything) {
   static int32_t index[BRICKS];
   for (int32_t k = 0; k < BRICKS; k++) {
     const hc_brick brick = brick_number(k);
-    const int32_t before = hc_cells_find(&cells, brick), count = cells.brick_count;
+    const int32_t before = hc_cells_find(&cells, brick), count = cells.bricks.count;
     index[k] = hc_cells_insert(&cells, brick);
     ck_assert_int_eq(index[k], before >= 0 ? before : count);
     if (before >= 0) continue;
@@ -234,13 +234,13 @@ START_TEST(the_table_grows_and_finds_everything) {
   for (int32_t k = 0; k < BRICKS; k++) {
     good &= hc_cells_find(&cells, brick_number(k)) == index[k];
     good &= hc_cells_insert(&cells, brick_number(k)) == index[k];
-    good &= hc_brick_equal(cells.bricks[index[k]], brick_number(k));
+    good &= hc_brick_equal(cells.bricks.bricks[index[k]], brick_number(k));
     good &= hc_brick_equal(brick_number(cells.count[index[k]][5] - 1), brick_number(k));
     const hc_brick absent = {{brick_number(k).x[0] + 100, k, -k}};
     good &= hc_cells_find(&cells, absent) == -1;
   }
   ck_assert(good);
-  ck_assert((uint32_t)cells.brick_count <= cells.table_mask / 2 + 1);
+  ck_assert((uint32_t)cells.bricks.count <= cells.bricks.mask / 2 + 1);
   hc_cells_free(&cells);
 }
 END_TEST
@@ -284,13 +284,13 @@ START_TEST(distance_costs_no_memory) {
   }
   hc_cells_bin(&cells, &particles);
   hc_cells_order(&cells, &particles);
-  ck_assert_int_eq(cells.brick_count, 8);
-  ck_assert_uint_lt(cells.table_mask, 256);
+  ck_assert_int_eq(cells.bricks.count, 8);
+  ck_assert_uint_lt(cells.bricks.mask, 256);
   ck_assert_uint_le(hc_memory_now(), before + (1 << 20));
   for (int k = 0; k < 8; k++) ck_assert_uint_eq(particles.id[k], k); /* z, y, x is the order of the bits */
   int32_t adjacent[HC_ADJACENT];
   for (int k = 0; k < 8; k++) {
-    ck_assert(hc_cells_around(&cells, cells.bricks[k], adjacent));
+    ck_assert(hc_cells_around(&cells, cells.bricks.bricks[k], adjacent));
     for (int way = 0; way < HC_ADJACENT; way++)
       ck_assert_int_eq(adjacent[way], way == HC_ADJACENT_SELF ? k : -1);
   }

@@ -24,9 +24,23 @@ void hc_brick_set_free(hc_brick_set *set) {
   memset(set, 0, sizeof *set);
 }
 
+void hc_brick_set_clear(hc_brick_set *set) {
+  set->count = 0;
+  memset(set->table, -1, ((size_t)set->mask + 1) * sizeof *set->table);
+}
+
+static uint32_t hash(hc_brick brick) {
+  uint64_t mixed = (uint64_t)(uint32_t)brick.x[0] * 0x9e3779b97f4a7c15ULL ^
+                   (uint64_t)(uint32_t)brick.x[1] * 0xc2b2ae3d27d4eb4fULL ^
+                   (uint64_t)(uint32_t)brick.x[2] * 0x165667b19e3779f9ULL;
+  mixed ^= mixed >> 29;
+  mixed *= 0xbf58476d1ce4e5b9ULL;
+  return (uint32_t)(mixed >> 32);
+}
+
 /* The table entry that holds the brick, or the empty one where it would go. */
 static uint32_t probe(const hc_brick_set *set, hc_brick brick) {
-  uint32_t entry = hc_brick_hash(brick) & set->mask;
+  uint32_t entry = hash(brick) & set->mask;
   while (set->table[entry] >= 0 && !hc_brick_equal(set->bricks[set->table[entry]], brick))
     entry = (entry + 1) & set->mask;
   return entry;
