@@ -170,6 +170,7 @@ typedef struct hc_scene {
   struct {
     hc_boundary_method method;
     double volume_factor; /* 0 = computed */
+    int layers;           /* of samples; 0 = what the method asks for */
     bool contact;         /* hold particles that the wall's pressure does not stop */
     double friction;      /* share of the tangential velocity that stays; 1 = free slip */
     double elasticity;    /* share of the normal velocity that returns */
