@@ -101,7 +101,6 @@ static void choose_prediction(const hc_scene *scene, hc_solver_settings *solver)
   solver->shepard = scene->solver.density_correction == HC_CORRECTION_SHEPARD;
   solver->friction = scene->boundary.friction;
   solver->elasticity = scene->boundary.elasticity;
-  solver->reach = scene->particle_spacing;
   const double volume = scene->fluid.mass_factor / hc_setup_rest_lattice_sum(ratio); /* in h3 */
   for (int k = 0; k <= HC_WALL_WEIGHTS; k++)
     solver->wall_weights[k] = (float)(volume * hc_setup_half_space(ratio, (double)k / HC_WALL_WEIGHTS));

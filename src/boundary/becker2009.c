@@ -16,6 +16,7 @@ static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end
   for (int32_t i = begin; i < end; i++) {
     const uint32_t *offset = walls->offset + (size_t)walls->start[i] * HC_LIST_GROUP;
     bool touched = false;
+    collision->contacts[i] = (hc_record){.scalar = 0.0f};
     for (int k = 0; k < walls->count[i]; k++) {
       const size_t b = offset[k] / sizeof(hc_record);
       const hc_record *place = &sweep->fluid->place[i], *sample = &sweep->boundary->place[b];
@@ -25,10 +26,10 @@ static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end
         const double x = apart * collision->unit[axis];
         square += x * x;
       }
-      if (square >= (double)collision->reach * collision->reach) continue;
+      if (square >= (double)sweep->reach * sweep->reach) continue;
       const float *normal = sweep->boundary->facing[b].v;
       const double n[3] = {normal[0], normal[1], normal[2]};
-      hc_collision_shift(collision, i, collision->reach - sqrt(square), n);
+      hc_collision_shift(collision, i, sweep->reach - sqrt(square), n);
       if (collision->respond) hc_collision_respond(collision, i, n);
       touched = true;
     }

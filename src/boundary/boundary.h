@@ -4,6 +4,8 @@
 
 #include "sph/sweeps.h"
 
+#include <math.h>
+
 /* The world collision of predicted positions, see hc_boundary_ops.collide. */
 typedef struct hc_collision {
   const hc_sweeps *sweeps;
@@ -59,25 +61,40 @@ extern const hc_boundary_ops hc_boundary_harada2007;
 void hc_boundary_prepare_frozen(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
                                 const hc_neighbors *list, double factor);
 
+/* The unit vector along a contact; false if it has none. */
+static inline bool hc_collision_direction(const hc_record *contact, double n[3]) {
+  for (int axis = 0; axis < 3; axis++) n[axis] = contact->v[axis];
+  const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  for (int axis = 0; axis < 3; axis++) n[axis] /= length;
+  return length > 0.0;
+}
+
 /* Moves the predicted position of particle i by `distance` m along the unit vector n. */
 static inline void hc_collision_shift(const hc_collision *collision, int32_t i, double distance,
                                       const double n[3]) {
   hc_record *place = &collision->sweep->fluid->place[i];
   for (int axis = 0; axis < 3; axis++)
-    place->x[axis] = (int32_t)((uint32_t)place->x[axis] + (uint32_t)(int32_t)__builtin_llrint(
-                                                              distance * n[axis] / collision->unit[axis]));
+    place->x[axis] = (int32_t)((uint32_t)place->x[axis] +
+                               (uint32_t)(int32_t)llrint(distance * n[axis] / collision->unit[axis]));
+}
+
+/* Changes the velocity of particle i along axis and enters that into its contact. */
+static inline void hc_collision_change(const hc_collision *collision, int32_t i, int axis, double change) {
+  collision->sweep->fluid->velocity[3 * (size_t)i + (size_t)axis] += change;
+  collision->contacts[i].v[axis] += (float)change;
 }
 
 /* The velocity of particle i after contact along the unit vector n: eq. 12, with the returning part of eq. 7.
  */
 static inline void hc_collision_respond(const hc_collision *collision, int32_t i, const double n[3]) {
-  double *v = &collision->sweep->fluid->velocity[3 * (size_t)i];
+  const double *v = &collision->sweep->fluid->velocity[3 * (size_t)i];
   const float *before = collision->sweep->fluid->motion[i].v;
   const double normal = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
   const double approach = before[0] * n[0] + before[1] * n[1] + before[2] * n[2];
   const double back = approach < 0.0 ? -collision->elasticity * approach : 0.0;
   for (int axis = 0; axis < 3; axis++)
-    v[axis] = collision->friction * (v[axis] - normal * n[axis]) + back * n[axis];
+    hc_collision_change(collision, i, axis,
+                        collision->friction * (v[axis] - normal * n[axis]) + back * n[axis] - v[axis]);
 }
 
 #endif

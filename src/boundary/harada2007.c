@@ -8,24 +8,17 @@
  * force is stiff at long steps. */
 #include "boundary.h"
 
-#include <math.h>
-
 static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end) {
-  collision->sweeps->contacts(collision->sweep, HC_CONTACT_DISTANCE, collision->reach, collision->contacts,
-                              begin, end);
+  collision->sweeps->contacts(collision->sweep, HC_CONTACT_DISTANCE, collision->contacts, begin, end);
   int64_t held = 0;
   for (int32_t i = begin; i < end; i++) {
-    const hc_record *contact = &collision->contacts[i];
-    if (!(contact->scalar > 0.0f)) continue;
-    double n[3] = {contact->v[0], contact->v[1], contact->v[2]};
-    const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    if (!(length > 0.0)) continue;
-    double *velocity = &collision->sweep->fluid->velocity[3 * (size_t)i];
-    for (int axis = 0; axis < 3; axis++) {
-      n[axis] /= length;
-      if (collision->respond) velocity[axis] += contact->scalar / collision->dt * n[axis];
-    }
-    hc_collision_shift(collision, i, contact->scalar, n);
+    const hc_record contact = collision->contacts[i];
+    collision->contacts[i] = (hc_record){.scalar = 0.0f};
+    double n[3];
+    if (!(contact.scalar > 0.0f) || !hc_collision_direction(&contact, n)) continue;
+    hc_collision_shift(collision, i, contact.scalar, n);
+    for (int axis = 0; axis < 3 && collision->respond; axis++)
+      hc_collision_change(collision, i, axis, contact.scalar / collision->dt * n[axis]);
     held++;
   }
   return held;

@@ -9,9 +9,6 @@
  * go along, and the particle is left where it is. */
 #include "boundary.h"
 
-#include <math.h>
-#include <string.h>
-
 void hc_boundary_prepare_frozen(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
                                 const hc_neighbors *list, double factor) {
   (void)factor;
@@ -25,17 +22,15 @@ void hc_boundary_prepare_frozen(const hc_sweeps *sweeps, const hc_sweep *sweep, 
 }
 
 static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end) {
-  collision->sweeps->contacts(collision->sweep, HC_CONTACT_WEIGHTED, collision->reach, collision->contacts,
-                              begin, end);
+  collision->sweeps->contacts(collision->sweep, HC_CONTACT_WEIGHTED, collision->contacts, begin, end);
   int64_t held = 0;
   for (int32_t i = begin; i < end; i++) {
-    const hc_record *contact = &collision->contacts[i];
-    if (!(contact->scalar > 0.0f)) continue;
-    double n[3] = {contact->v[0], contact->v[1], contact->v[2]};
-    const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    if (!(length > 0.0)) continue;
-    for (int axis = 0; axis < 3; axis++) n[axis] /= length;
-    hc_collision_shift(collision, i, contact->scalar, n);
+    const hc_record contact = collision->contacts[i];
+    if (!(contact.scalar > 0.0f)) continue;
+    collision->contacts[i] = (hc_record){.scalar = 0.0f};
+    double n[3];
+    if (!hc_collision_direction(&contact, n)) continue;
+    hc_collision_shift(collision, i, contact.scalar, n);
     if (collision->respond) hc_collision_respond(collision, i, n);
     held++;
   }

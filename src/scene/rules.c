@@ -153,6 +153,12 @@ static void check_iterations(const hc_given *given, const char *low, const char 
 /* Defaults that hang on the method, and what does not go together. */
 static void check_solver(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
   if (is_bad(given, "solver.method")) return;
+  if (!is_bad(given, "boundary.method") && scene->boundary.method != HC_BOUNDARY_AKINCI2012 &&
+      !is_bad(given, "fluid.viscosity.model") && scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR)
+    hc_complaints_add(
+        complaints, hc_given_place_of(given, "fluid.viscosity.model"),
+        "fluid.viscosity.model must not be laminar unless boundary.method is akinci2012: only its "
+        "walls hold the fluid at their surface");
   if (scene->solver.method == HC_SOLVER_PCISPH) {
     if (!is_given(given, "solver.density_error_avg")) scene->solver.density_error_avg = 0.01;
     if (!is_given(given, "solver.density_iterations.min")) scene->solver.density_iterations.min = 3;

@@ -28,7 +28,6 @@ typedef struct pcisph {
 static hc_prediction prediction_of(const hc_world *world, const hc_solver_settings *settings, double dt) {
   const double volume = world->sweep.volume;
   return (hc_prediction){
-      .walls = world->boundary_ops->walls,
       .shepard = settings->shepard,
       .negative = settings->negative_pressure,
       .stiffness = dt > 0.0 ? (float)(0.5 / (volume * volume * dt * dt * settings->gradient_square)) : 0.0f,
@@ -89,7 +88,7 @@ static hc_error_total predict(pcisph *step, bool with_push) {
   if (step->prediction.shepard) correct_densities(step, &total);
 
   hc_halo_begin(&world->halo, HC_HALO_PLACE_SCALAR);
-  if (step->prediction.walls == HC_WALLS_PRESSURE) {
+  if (step->world->boundary_ops->walls == HC_WALLS_PRESSURE) {
     world->sweeps->boundary_density(&world->sweep, &step->prediction, 0, world->boundary.own);
     hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
   }
@@ -104,9 +103,11 @@ static hc_error_total predict(pcisph *step, bool with_push) {
 static void start(pcisph *step) {
   hc_particles *fluid = &step->world->fluid, *boundary = &step->world->boundary;
   memset(fluid->pressure, 0, (size_t)fluid->own * sizeof *fluid->pressure);
-  if (step->prediction.walls != HC_WALLS_PRESSURE) return;
+  if (step->world->boundary_ops->walls == HC_WALLS_MIRRORED)
+    step->world->sweeps->wall_sums(&step->world->sweep, 0, fluid->own);
+  if (step->world->boundary_ops->walls != HC_WALLS_PRESSURE) return;
   memset(boundary->pressure, 0, (size_t)boundary->own * sizeof *boundary->pressure);
-  for (int32_t b = 0; b < boundary->own; b++) boundary->place[b].scalar = 0.0f;
+  for (int32_t b = 0; b < boundary->own + boundary->ghosts; b++) boundary->place[b].scalar = 0.0f;
 }
 
 /* Inverse densities for the forces that read them. */
@@ -157,11 +158,9 @@ static hc_move_to finish(pcisph *step) {
     predict_places(step, false, 0, fluid->own);
     return HC_MOVE_TO_PLACE;
   }
-  /* the contact judges by the walls at the step's beginning */
-  for (int32_t i = 0; i < fluid->own; i++)
+  for (int32_t i = 0; i < fluid->own; i++) /* where the forces on walls are measured */
     for (size_t axis = 0; axis < 3; axis++)
       fluid->place[i].x[axis] = (int32_t)(uint32_t)(uint64_t)fluid->position[3 * (size_t)i + axis];
-  world->sweeps->wall_sums(&world->sweep, 0, fluid->own);
   return HC_MOVE_BY_VELOCITY;
 }
 
@@ -179,13 +178,13 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
                  .collision = {.sweeps = world->sweeps,
                                .sweep = &world->sweep,
                                .unit = world->frame.unit,
-                               .reach = (float)settings->reach,
                                .friction = settings->friction,
                                .elasticity = settings->elasticity,
                                .dt = dt}};
   hc_reserve((void **)&world->contacts, &world->contact_room, (size_t)world->fluid.own, 0,
              sizeof *world->contacts);
   step.collision.contacts = world->contacts;
+  world->sweep.contacts = world->boundary_ops->collide ? world->contacts : NULL;
 
   /* forces but pressure; v takes them in at once */
   hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);

@@ -30,7 +30,6 @@ typedef struct hc_solver_settings {
   double gradient_square;                  /* sum |grad W|^2 over the rest lattice, 1/m8 */
   bool shepard;                            /* correct densities at the surface */
   double friction, elasticity;             /* of contacts with walls, see hc_collision */
-  double reach;                            /* m: r0 of contacts */
   float wall_weights[HC_WALL_WEIGHTS + 1]; /* see hc_prediction */
 } hc_solver_settings;
 

@@ -30,6 +30,8 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
   world->sweeps = hc_sweeps_of(settings->isa);
   world->sweep =
       hc_sweep_make(&world->frame, settings->mass / settings->rest_density, settings->rest_density);
+  world->sweep.reach = 2.0f * world->sweep.wall_offset * world->sweep.support; /* a spacing */
+  world->sweep.walls_add = settings->boundary_ops->walls;
   world->sweep.fluid = &world->fluid;
   world->sweep.boundary = &world->boundary;
   world->sweep.list = &world->list;

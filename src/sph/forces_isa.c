@@ -65,6 +65,7 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
                        float *change, int32_t begin, int32_t end) {
   const hc_particles *fluid = sweep->fluid;
   const hc_float volume = hc_set(sweep->volume);
+  if (sweep->walls_add != HC_WALLS_MIRRORED) walls_are = NO_WALLS; /* no volumes; contacts have friction */
   block_vectors changes;
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);

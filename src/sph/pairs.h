@@ -200,7 +200,7 @@ void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_predicti
                                         int32_t end);
 void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
                             int32_t end);
-void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, float reach, hc_record *contacts,
+void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts,
                                 int32_t begin, int32_t end);
 
 #endif

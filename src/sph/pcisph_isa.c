@@ -92,19 +92,13 @@ HC_INLINE void sum_wall_densities(const hc_sweep *sweep, const hc_prediction *pr
   block_sums sums;
   block_vectors gradients;
   block_planes planes;
-  switch (prediction->walls) {
+  switch (sweep->walls_add) {
   case HC_WALLS_NOTHING:
     memset(share, 0, (size_t)count * sizeof *share);
     break;
   case HC_WALLS_MIRRORED:
     sum_walls(sweep, first, count, &sums, &gradients);
-    for (int32_t k = 0; k < count; k++) {
-      float *gradient = &sweep->fluid->wall_gradient[3 * (size_t)(first + k)];
-      gradient[0] = sweep->gradient * gradients.x.total[k];
-      gradient[1] = sweep->gradient * gradients.y.total[k];
-      gradient[2] = sweep->gradient * gradients.z.total[k];
-      share[k] = sweep->kernel * sums.total[k];
-    }
+    for (int32_t k = 0; k < count; k++) share[k] = sweep->kernel * sums.total[k];
     break;
   case HC_WALLS_PRESSURE:
     sum_wall_kernels(sweep, first, count, &sums);
@@ -160,7 +154,6 @@ void HC_ISA_SYMBOL(hc_predicted_density)(const hc_sweep *sweep, const hc_predict
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = first + k;
       const float relative = sweep->kernel * sweep->volume * (1.0f + kernels.total[k]) + share[k];
-      fluid->wall_density[i] = share[k];
       if (prediction->shepard) {
         fluid->density[i] = relative;
         fluid->motion[i].scalar = 1.0f / relative;
@@ -175,14 +168,15 @@ void HC_ISA_SYMBOL(hc_corrected_density)(const hc_sweep *sweep, const hc_predict
                                          int32_t begin, int32_t end, hc_error_total *total) {
   hc_particles *fluid = sweep->fluid;
   block_sums kernels;
+  float share[BLOCK];
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
     sum_kernels(sweep, true, first, count, &kernels);
+    sum_wall_densities(sweep, prediction, first, count, share);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = first + k;
       const float own = fluid->density[i];
-      const float volumes =
-          sweep->kernel * sweep->volume * (1.0f / own + kernels.total[k]) + fluid->wall_density[i];
+      const float volumes = sweep->kernel * sweep->volume * (1.0f / own + kernels.total[k]) + share[k];
       hc_end_prediction(sweep, prediction, i, own / volumes, total);
     }
   }
@@ -272,15 +266,15 @@ void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *predicti
       store_vector(&pushes, k, &sum);
     }
     add_up_vectors(&pushes, count);
-    if (prediction->walls == HC_WALLS_PRESSURE) sum_wall_pushes(sweep, first, count, &walls);
+    if (sweep->walls_add == HC_WALLS_PRESSURE) sum_wall_pushes(sweep, first, count, &walls);
     for (int32_t k = 0; k < count; k++) {
       const size_t i = (size_t)(first + k);
       float push[3] = {weight * pushes.x.total[k], weight * pushes.y.total[k], weight * pushes.z.total[k]};
-      if (prediction->walls == HC_WALLS_PRESSURE) {
+      if (sweep->walls_add == HC_WALLS_PRESSURE) {
         push[0] += weight * walls.x.total[k];
         push[1] += weight * walls.y.total[k];
         push[2] += weight * walls.z.total[k];
-      } else if (prediction->walls == HC_WALLS_MIRRORED) {
+      } else if (sweep->walls_add == HC_WALLS_MIRRORED) {
         const float mirrored = -prediction->dt * fluid->place[i].scalar;
         for (int axis = 0; axis < 3; axis++)
           push[axis] += mirrored * fluid->wall_gradient[3 * i + (size_t)axis];
@@ -292,10 +286,10 @@ void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *predicti
 
 /* ---- contact ---- */
 
-void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, float reach, hc_record *contacts,
+void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts,
                                 int32_t begin, int32_t end) {
   const bool plane = rule == HC_CONTACT_DISTANCE;
-  const float steepness = plane ? 1.0f : sweep->support / reach;
+  const float steepness = plane ? 1.0f : sweep->support / sweep->reach;
   block_planes planes;
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
@@ -312,7 +306,7 @@ void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, flo
       contact->v[0] = planes.normal.x.total[k];
       contact->v[1] = planes.normal.y.total[k];
       contact->v[2] = planes.normal.z.total[k];
-      contact->scalar = plane ? reach - sweep->support * mean : reach * mean;
+      contact->scalar = plane ? sweep->reach - sweep->support * mean : sweep->reach * mean;
     }
   }
 }

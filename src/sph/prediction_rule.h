@@ -10,8 +10,10 @@ static inline float hc_next_pressure(const hc_sweep *sweep, const hc_prediction 
   return next < 0.0f && !prediction->negative ? 0.0f : next;
 }
 
-/* p/(rho0 D^2), what eq. 6 weighs the kernel's gradient with. */
+/* p/(rho0 D^2), what eq. 6 weighs the kernel's gradient with; where walls mirror it p/rho0, so that the push
+ * on a wall follows from the pressure alone, contact's share included. */
 static inline float hc_pressure_scalar(const hc_sweep *sweep, float pressure, float relative) {
+  if (sweep->walls_add == HC_WALLS_MIRRORED) return pressure / sweep->rest_density;
   return pressure / (sweep->rest_density * relative * relative);
 }
 
