@@ -75,11 +75,62 @@ static double sound_speed(const hc_scene *scene) {
                                                   : default_sound_speed(scene);
 }
 
+/* Of all blocks together, along gravity, m; 0 without gravity. */
+static double fluid_height(const hc_scene *scene, double gravity) {
+  double low = INFINITY, high = -INFINITY;
+  for (int block = 0; block < scene->fluid.block_count && gravity > 0.0; block++) {
+    const hc_box box = hc_source_block_bounds(&scene->fluid.blocks[block]);
+    double ends[2] = {0.0, 0.0};
+    for (int axis = 0; axis < 3; axis++) {
+      const double down = scene->gravity[axis] / gravity;
+      ends[down < 0.0] += down * box.min[axis];
+      ends[down >= 0.0] += down * box.max[axis];
+    }
+    low = fmin(low, ends[0]);
+    high = fmax(high, ends[1]);
+  }
+  return high > low ? high - low : 0.0;
+}
+
+static hc_adaptive_settings adaptive_settings_of(const hc_scene *scene) {
+  const hc_time_adaptive *a = &scene->time_step.adaptive;
+  const double error_avg = scene->solver.density_error_avg, error_max = scene->solver.density_error_max,
+               gravity = hc_simulation_start_report(scene, 0.0).force_max;
+  return (hc_adaptive_settings){
+      .error_avg = error_avg,
+      .error_max = error_max > 0.0 ? error_max : 10.0 * error_avg,
+      .change = a->change,
+      .grow = {a->grow.force, a->grow.velocity, a->grow.error_max, a->grow.error_avg},
+      .shrink = {a->shrink.force, a->shrink.velocity, a->shrink.error_max, a->shrink.error_avg},
+      .shock_rise = a->shock.error_rise > 0.0 ? a->shock.error_rise : 5.0 * error_avg,
+      .shock_velocity = a->shock.velocity,
+      .restart_force = a->restart.force,
+      .restart_velocity = a->restart.velocity,
+      .restart_share = a->restart.share,
+      .most_restarts = a->restart.most,
+      .first_velocity = a->first.velocity,
+      .first_depth = a->first.depth,
+      .gravity = gravity,
+      .depth = fluid_height(scene, gravity)};
+}
+
+static hc_step_control control_of(hc_time_control control) {
+  switch (control) {
+  case HC_TIME_CONSTANT:
+    return HC_STEP_CONSTANT;
+  case HC_TIME_CFL:
+    return HC_STEP_CFL;
+  case HC_TIME_ADAPTIVE:
+    return HC_STEP_ADAPTIVE;
+  }
+  return HC_STEP_CFL;
+}
+
 hc_step_settings hc_step_settings_of(const hc_scene *scene) {
   const bool laminar = scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR;
   const double coefficient = scene->fluid.viscosity.coefficient;
   return (hc_step_settings){
-      .control = scene->time_step.control == HC_TIME_CONSTANT ? HC_STEP_CONSTANT : HC_STEP_CFL,
+      .control = control_of(scene->time_step.control),
       .size = scene->time_step.size,
       .max = scene->time_step.max,
       .min = scene->time_step.min,
@@ -89,7 +140,8 @@ hc_step_settings hc_step_settings_of(const hc_scene *scene) {
       /* artificial: the kinematic viscosity it amounts to in three dimensions, alpha h c / 10 (Monaghan 2005)
        */
       .viscosity = laminar ? coefficient : 0.1 * coefficient * scene->support_radius * sound_speed(scene),
-      .end_time = scene->end_time};
+      .end_time = scene->end_time,
+      .adaptive = adaptive_settings_of(scene)};
 }
 
 /* What PCISPH reads besides. */
@@ -152,7 +204,12 @@ static hc_status check_memory(hc_comm *comm, const hc_scene *scene, const hc_set
 
 double hc_simulation_settle_step(const hc_scene *scene) {
   if (scene->fluid.settle_steps == 0) return 0.0;
-  return scene->time_step.control == HC_TIME_CONSTANT ? scene->time_step.size : scene->time_step.max;
+  if (scene->time_step.control == HC_TIME_CONSTANT) return scene->time_step.size;
+  if (scene->time_step.control == HC_TIME_CFL) return scene->time_step.max;
+  const hc_step_settings settings = hc_step_settings_of(scene);
+  const hc_step_report still = {.v_max = 0.0};
+  hc_step_bound unused;
+  return hc_time_step_next(&settings, 0.0, 0.0, &still, &unused);
 }
 
 /* Lets the start come to rest: steps of gravity and pressure that forget all momentum; then every particle
@@ -224,6 +281,7 @@ static void register_state(hc_simulation *simulation) {
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.force_max, "force_max");
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->capped_at, "capped_at");
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->world.fluid_total, "fluid_total");
+  hc_rollback_register(simulation);
 }
 
 /* What is known of the particles before there are any. Agreed. */
@@ -294,6 +352,7 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
 
 void hc_simulation_free(hc_simulation *simulation) {
   hc_setup_plan_free(&simulation->plan);
+  hc_state_history_free(&simulation->rollback.history);
   hc_state_free(&simulation->state);
   hc_world_free(&simulation->world);
 }
@@ -302,15 +361,35 @@ bool hc_simulation_done(const hc_simulation *simulation) {
   return simulation->time >= simulation->scene->end_time;
 }
 
+/* Inflow, moving walls and bodies will raise v_max here. */
+hc_step_report hc_simulation_seen_by_control(const hc_simulation *simulation) {
+  return simulation->report;
+}
+
+static double choose_step(hc_simulation *simulation) {
+  const hc_step_settings *settings = &simulation->step_settings;
+  const double replay = hc_rollback_next(simulation);
+  const hc_step_report seen = hc_simulation_seen_by_control(simulation);
+  if (replay == 0.0)
+    return hc_time_step_next(settings, simulation->time, simulation->dt, &seen, &simulation->bound);
+  simulation->bound = HC_BOUND_SHOCK;
+  return hc_time_step_to_end(settings, simulation->time, replay, &simulation->bound);
+}
+
 /* The step itself: the solver's, between the watches over its length and over the world's limits. */
 static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) {
   hc_world *world = &simulation->world;
   hc_fault *fault = &simulation->report.fault;
-  if (hc_time_step_too_small(&simulation->step_settings, simulation->time, dt)) {
+  const bool gave_up = hc_rollback_gave_up(simulation);
+  if (gave_up || hc_time_step_too_small(&simulation->step_settings, simulation->time, dt)) {
     fill_derived(simulation);
     hc_fault_note(fault, HC_FAULT_TIME_STEP, -1.0, INT64_MAX); /* also where no particle is left */
     hc_fault_watch_fastest(world, HC_FAULT_TIME_STEP, fault);
-    return hc_fault_agree(world->comm, dt, fault, error);
+    hc_fault_agree(world->comm, dt, fault, error);
+    if (gave_up)
+      hc_error_set(error, HC_FAILED, "a shock came again in each of %d replays",
+                   simulation->step_settings.adaptive.most_restarts);
+    return error->status;
   }
   if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
                                error) != HC_OK)
@@ -323,6 +402,7 @@ static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) 
 hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   const hc_step_report before = simulation->report;
+  hc_rollback_remember(simulation);
   simulation->departures.count = 0;
   if (simulation->step > 0) {
     if (simulation->scene->domain.leaving == HC_LEAVING_REMOVE)
@@ -332,17 +412,19 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   }
   hc_balance_start(&simulation->balance, simulation->comm);
   if (simulation->step > 0) hc_world_update(world);
-  const double dt = hc_time_step_next(&simulation->step_settings, simulation->time, simulation->dt,
-                                      &simulation->report, &simulation->bound);
-  if (advance(simulation, dt, error) != HC_OK) {
+  const double dt = choose_step(simulation);
+  advance(simulation, dt, error);
+  hc_balance_stop(&simulation->balance, simulation->comm);
+  if (hc_rollback_if_shock(simulation, dt, &before, error)) return HC_OK;
+  if (error->status != HC_OK) {
     hc_failure_explain(simulation, dt, &before, error);
     return error->status;
   }
-  hc_balance_stop(&simulation->balance, simulation->comm);
   simulation->dt = dt;
   simulation->step++;
   simulation->time = simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
   if (simulation->report.density_capped) simulation->capped_at = simulation->step;
+  hc_rollback_pass(simulation);
   return HC_OK;
 }
 

@@ -56,6 +56,10 @@ hc_status hc_tables_add_load(hc_tables *tables, const hc_load_row *row, hc_error
 hc_status hc_tables_add_gauges(hc_tables *tables, double time, const double *values, int count,
                                hc_error *error);
 
+/* Takes rows back: those of steps after last_step, and those of gauges.csv after last_time. HC_IO_FAILED as
+ * above. */
+hc_status hc_tables_cut(hc_tables *tables, int64_t last_step, double last_time, hc_error *error);
+
 /* Brings all rows to disk. */
 hc_status hc_tables_sync(hc_tables *tables, hc_error *error);
 

@@ -41,7 +41,8 @@ static const hc_choice directions[] = {{"none", 0},
 static const hc_choice solver_methods[] = {
     {"dfsph", HC_SOLVER_DFSPH}, {"pcisph", HC_SOLVER_PCISPH}, {NULL, 0}};
 static const hc_choice leavings[] = {{"error", HC_LEAVING_ERROR}, {"remove", HC_LEAVING_REMOVE}, {NULL, 0}};
-static const hc_choice time_controls[] = {{"constant", HC_TIME_CONSTANT}, {"cfl", HC_TIME_CFL}, {NULL, 0}};
+static const hc_choice time_controls[] = {
+    {"constant", HC_TIME_CONSTANT}, {"cfl", HC_TIME_CFL}, {"adaptive", HC_TIME_ADAPTIVE}, {NULL, 0}};
 static const hc_choice decompositions[] = {
     {"slabs", HC_DECOMPOSITION_SLABS}, {"metis", HC_DECOMPOSITION_METIS}, {NULL, 0}};
 static const hc_choice rebalances[] = {

@@ -125,7 +125,7 @@ typedef enum hc_boundary_method {
 } hc_boundary_method;
 typedef enum hc_solver_method { HC_SOLVER_DFSPH, HC_SOLVER_PCISPH } hc_solver_method;
 typedef enum hc_density_correction { HC_CORRECTION_NONE, HC_CORRECTION_SHEPARD } hc_density_correction;
-typedef enum hc_time_control { HC_TIME_CONSTANT, HC_TIME_CFL } hc_time_control;
+typedef enum hc_time_control { HC_TIME_CONSTANT, HC_TIME_CFL, HC_TIME_ADAPTIVE } hc_time_control;
 typedef enum hc_leaving { HC_LEAVING_ERROR, HC_LEAVING_REMOVE } hc_leaving;
 typedef enum hc_decomposition { HC_DECOMPOSITION_SLABS, HC_DECOMPOSITION_METIS } hc_decomposition;
 typedef enum hc_rebalance { HC_REBALANCE_NONE, HC_REBALANCE_SLABS, HC_REBALANCE_METIS } hc_rebalance;
@@ -133,6 +133,28 @@ typedef enum hc_rebalance { HC_REBALANCE_NONE, HC_REBALANCE_SLABS, HC_REBALANCE_
 typedef struct hc_iterations {
   int min, max;
 } hc_iterations;
+
+/* Of sqrt(h/F) and h/v for the time step, and of the average density error allowed. */
+typedef struct hc_time_bounds {
+  double force, velocity, error_max, error_avg;
+} hc_time_bounds;
+
+/* The adaptive time step; stepping/adaptive.h says what they do. */
+typedef struct hc_time_adaptive {
+  double change;
+  hc_time_bounds grow, shrink;
+  struct {
+    double error_rise; /* fraction of the rest density; 0 = 5 times the average density error allowed */
+    double velocity;
+  } shock;
+  struct {
+    double force, velocity, share;
+    int most;
+  } restart;
+  struct {
+    double velocity, depth;
+  } first;
+} hc_time_adaptive;
 
 typedef struct hc_scene {
   char name[HC_NAME_LENGTH];
@@ -181,7 +203,7 @@ typedef struct hc_scene {
   struct {
     hc_solver_method method;
     double density_error_avg; /* fraction of the rest density */
-    double density_error_max; /* pcisph: fraction of the rest density */
+    double density_error_max; /* the same; 0 = 10 times density_error_avg */
     hc_density_correction density_correction;
     double divergence_error; /* fraction of the rest density per step */
     hc_iterations density_iterations, divergence_iterations;
@@ -195,8 +217,9 @@ typedef struct hc_scene {
     hc_time_control control;
     double size;   /* constant */
     double factor; /* cfl: step <= factor * particle_spacing / v_max */
-    double max;    /* cfl */
+    double max;    /* cfl, adaptive */
     double min;    /* floor; 0 = a share of the largest step */
+    hc_time_adaptive adaptive;
   } time_step;
 
   struct {
@@ -221,6 +244,7 @@ typedef struct hc_scene {
 
   struct { /* hidden: faults after so many steps, to test what they do; 0 = never */
     int nan_at, kick_at;
+    int shock_at, shock_again; /* a shock that many times more */
   } faults;
 } hc_scene;
 
