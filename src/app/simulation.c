@@ -284,6 +284,31 @@ static void register_state(hc_simulation *simulation) {
   hc_rollback_register(simulation);
 }
 
+/* Fluid that is squeezed from the start, as too near to a wall, explodes: the pressure that pushes it apart
+ * in one step knows no bounds. PCISPH is told how much it may be. Collective. */
+static hc_status refuse_dense_start(hc_simulation *simulation, hc_error *error) {
+  const hc_particles *fluid = &simulation->world.fluid;
+  const hc_frame *frame = &simulation->world.frame;
+  if (simulation->scene->solver.method != HC_SOLVER_PCISPH) return HC_OK;
+  int32_t worst = 0;
+  for (int32_t k = 1; k < fluid->own; k++)
+    if (fluid->density[k] > fluid->density[worst]) worst = k;
+  double density = fluid->own > 0 ? (double)fluid->density[worst] : 0.0;
+  const double most = simulation->solver_settings.density_error_max;
+  const double own = density / simulation->scene->fluid.rest_density - 1.0;
+  hc_comm_max_f64(simulation->comm, &density, 1);
+  if (own > most && density == (double)fluid->density[worst])
+    hc_error_set(error, HC_BAD_INPUT,
+                 "the fluid at (%.6g, %.6g, %.6g) m is %.3g %% too dense at the start, "
+                 "solver.density_error_max allows "
+                 "%.3g %%: fluid lattices must not overlap, and keep half a spacing from walls",
+                 hc_frame_to_metres(frame, 0, fluid->position[3 * (size_t)worst]),
+                 hc_frame_to_metres(frame, 1, fluid->position[3 * (size_t)worst + 1]),
+                 hc_frame_to_metres(frame, 2, fluid->position[3 * (size_t)worst + 2]), 100.0 * own,
+                 100.0 * most);
+  return hc_comm_agree(simulation->comm, error);
+}
+
 /* What is known of the particles before there are any. Agreed. */
 static hc_status plan_particles(hc_simulation *simulation, hc_error *error) {
   hc_setup_plan *plan = &simulation->plan;
@@ -327,6 +352,7 @@ hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   if (fill_world(simulation, error) != HC_OK) return error->status;
   fill_derived(simulation);
+  if (refuse_dense_start(simulation, error) != HC_OK) return error->status;
   simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
   double v2_max = hc_simulation_fastest(&world->fluid);
   hc_comm_max_f64(simulation->comm, &v2_max, 1);
