@@ -20,6 +20,7 @@ typedef struct hc_setup_source {
   hc_shape shape;     /* the block, or the wall's wetted surface */
   hc_shape layer;     /* walls: the surface on which the samples lie */
   bool solid;         /* walls: an obstacle */
+  int64_t moves;      /* walls that move: number + 1; 0: it stands */
 } hc_setup_source;
 
 /* What messages call a source: fluid.blocks[2], boundary.walls[1] "tank". */

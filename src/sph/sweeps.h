@@ -25,9 +25,10 @@ typedef struct hc_sweep {
   float rest_density; /* kg/m3 */
   float wall_offset;  /* of boundary samples behind the wetted surface, in support radii */
   hc_particles *fluid;
-  const hc_particles *boundary; /* place.scalar is V_b */
+  const hc_particles *boundary; /* place.scalar is V_b, motion the velocity */
   const hc_neighbors *list;     /* fluid -> fluid */
   const hc_neighbors *walls;    /* fluid -> boundary */
+  bool walls_move;              /* has any boundary particle a velocity? */
 } hc_sweep;
 
 /* How the error sweep weighs: e_i = of_density (D_i - 1) + of_rate dD_i/dt. */
