@@ -51,14 +51,15 @@ typedef struct hc_error_total {
 /* Viscosity as the sweeps see it: velocity change = weight * sum, see each sweep. */
 typedef struct hc_sweeps {
   /* What follows from positions and velocities alone: density = rho0 (V sum W + sum_b V_b W), motion.scalar =
-   * 1/D, wall_density = sum_b V_b W and its gradient wall_gradient B, wall_rate = sum_b V_b v_b . grad W, alpha = 1/(|V sum grad W + B|^2 + V^2
-   * sum |grad W|^2), 0 where the denominator vanishes; and place.scalar = dD/dt, as the error sweep has it.
-   * Akinci et al. 2012; Bender and Koschier 2015, eq. 9; the squared sum runs over fluid neighbours only. */
+   * 1/D, wall_density = sum_b V_b W and its gradient wall_gradient B, wall_rate = sum_b V_b v_b . grad W,
+   * alpha = 1/(|V sum grad W + B|^2 + V^2 sum |grad W|^2), 0 where the denominator vanishes; and place.scalar
+   * = dD/dt, as the error sweep has it. Akinci et al. 2012; Bender and Koschier 2015, eq. 9; the squared sum
+   * runs over fluid neighbours only. */
   void (*density)(const hc_sweep *sweep, int32_t begin, int32_t end);
 
-  /* dD/dt = V sum (v_i - v_j) . grad W + v_i . B - wall_rate, then by the rule the error e_i, clamped at 0 from below
-   * unless signed, and place.scalar = relaxation alpha_i e_i. Adds |e_i| to the total. Carensac et al. 2023,
-   * eq. 2 and algorithms 3, 4. */
+  /* dD/dt = V sum (v_i - v_j) . grad W + v_i . B - wall_rate, then by the rule the error e_i, clamped at 0
+   * from below unless signed, and place.scalar = relaxation alpha_i e_i. Adds |e_i| to the total. Carensac et
+   * al. 2023, eq. 2 and algorithms 3, 4. */
   void (*error)(const hc_sweep *sweep, const hc_error_rule *rule, int32_t begin, int32_t end,
                 hc_error_total *total);
 
