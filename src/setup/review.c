@@ -338,15 +338,37 @@ static bool review_opening(const review *r, int number, const hc_emitter *emitte
   return false;
 }
 
+/* A sample of an emitter that comes in where a block of fluid is. */
+static bool review_flood(const review *r, int number, const hc_emitter *emitter,
+                         const hc_setup_source *block) {
+  for (int64_t k = 0; k < emitter->sample_count; k++) {
+    double x[3];
+    hc_emitter_point(emitter, k, 0.0, x);
+    if (distance(r, hc_shape_distance, &block->shape, x) >= 0.0) continue;
+    hc_findings_warning(
+        r->findings, path_of("fluid.emitters", number, "").text,
+        "%s opens within %s, at (%.6g, %.6g, %.6g) m: what finds fluid in its place is left out",
+        hc_prescribed_emitter_name(number).text, hc_source_block_name((int)block->number).text, x[0], x[1],
+        x[2]);
+    return true;
+  }
+  return false;
+}
+
+static void review_emitter(const review *r, int number, const hc_emitter *emitter) {
+  for (int w = 0; w < r->wall_count; w++)
+    if (review_opening(r, number, emitter, &r->walls[w])) break;
+  for (int b = 0; b < r->block_count && emitter->start == 0.0; b++)
+    if (review_flood(r, number, emitter, &r->blocks[b])) break;
+}
+
 static void review_emitters(const review *r) {
   hc_emitters emitters;
   hc_error error;
   if (hc_prescribed_emitters_make(r->scene, &r->frame, &emitters, &error) != HC_OK)
     hc_findings_error(r->findings, "fluid.emitters", "%s", error.text);
   else
-    for (int k = 0; k < emitters.count; k++)
-      for (int w = 0; w < r->wall_count; w++)
-        if (review_opening(r, k, &emitters.emitters[k], &r->walls[w])) break;
+    for (int k = 0; k < emitters.count; k++) review_emitter(r, k, &emitters.emitters[k]);
   hc_emitters_free(&emitters);
 }
 
