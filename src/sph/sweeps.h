@@ -152,6 +152,10 @@ typedef struct hc_sweeps {
    * negative. */
   void (*contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts, int32_t begin,
                    int32_t end);
+
+  /* velocities_i.v = sum w v_b / sum w with the weights of WEIGHTED: how fast the walls move that are
+   * touched; 0 without contact. */
+  void (*wall_velocities)(const hc_sweep *sweep, hc_record *velocities, int32_t begin, int32_t end);
 } hc_sweeps;
 
 /* The sweeps compiled for an instruction set. */

@@ -222,6 +222,7 @@ const hc_sweeps *HC_ISA_SYMBOL(hc_sweeps)(void) {
                                    .corrected_density = HC_ISA_SYMBOL(hc_corrected_density),
                                    .boundary_density = HC_ISA_SYMBOL(hc_boundary_density),
                                    .push = HC_ISA_SYMBOL(hc_push),
-                                   .contacts = HC_ISA_SYMBOL(hc_contacts)};
+                                   .contacts = HC_ISA_SYMBOL(hc_contacts),
+                                   .wall_velocities = HC_ISA_SYMBOL(hc_wall_velocities)};
   return &sweeps;
 }
