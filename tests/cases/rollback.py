@@ -138,7 +138,12 @@ def ends(case, _):
     for wanted in ("in step 12 ", "a shock came again in each of 10 replays", "likely cause: a shock at ",
                    "forced by the test hook", "fault_000012.hdf"):
         c.expect(wanted in text, f"'{wanted}' is missing:\n{text}")
-    c.expect(len(c.steps(output)) == 11, "rows of steps that were taken back")
+    rows = c.steps(output)
+    c.expect(len(rows) == 11, "rows of steps that were taken back")
+    series = (output / "snapshots/run.hdf.series").read_text(encoding="utf-8")
+    times = [float(t) for t in re.findall(r'"time":([0-9.e-]+)', series)]
+    c.expect(times[-1] == float(rows[-1]["time"]) and len(times) == len(c.snapshots(output)),
+             f"snapshots of steps that were taken back: {times}")
     text = launch(case, case.folder / "floor", 2, (*CALM, "faults.shock_at=12", "faults.shock_again=999",
                                                    "time_step.min=0.0005"), expected=1)
     c.expect("is under its floor" in text and "a shock at " in text, text)
