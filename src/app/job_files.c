@@ -103,6 +103,7 @@ hc_status hc_job_add_step_row(hc_job *job, const hc_job_load *load, double activ
                             .density_error_max = report->density_error_max,
                             .v_max = report->v_max,
                             .a_max = report->a_max,
+                            .force_max = report->force_max,
                             .kinetic_energy = report->kinetic_energy,
                             .potential_energy = report->potential_energy,
                             .fluid_particles = load->fluid,

@@ -19,6 +19,12 @@ static const hc_boundary_ops *boundary_of(hc_boundary_method method) {
   switch (method) {
   case HC_BOUNDARY_AKINCI2012:
     return &hc_boundary_akinci2012;
+  case HC_BOUNDARY_IHMSEN2010:
+    return &hc_boundary_ihmsen2010;
+  case HC_BOUNDARY_BECKER2009:
+    return &hc_boundary_becker2009;
+  case HC_BOUNDARY_HARADA2007:
+    return &hc_boundary_harada2007;
   }
   return NULL;
 }
@@ -27,6 +33,8 @@ static const hc_solver_ops *solver_of(hc_solver_method method) {
   switch (method) {
   case HC_SOLVER_DFSPH:
     return &hc_solver_dfsph;
+  case HC_SOLVER_PCISPH:
+    return &hc_solver_pcisph;
   }
   return NULL;
 }
@@ -136,6 +144,20 @@ hc_step_settings hc_step_settings_of(const hc_scene *scene) {
       .adaptive = adaptive_settings_of(scene)};
 }
 
+/* What PCISPH reads besides. */
+static void choose_prediction(const hc_scene *scene, hc_solver_settings *solver) {
+  const double h = scene->support_radius, ratio = scene->particle_spacing / h;
+  solver->density_error_max = scene->solver.density_error_max > 0.0 ? scene->solver.density_error_max
+                                                                    : 10.0 * scene->solver.density_error_avg;
+  solver->gradient_square = hc_setup_rest_lattice_gradient(ratio) / pow(h, 8.0);
+  solver->shepard = scene->solver.density_correction == HC_CORRECTION_SHEPARD;
+  solver->friction = scene->boundary.friction;
+  solver->elasticity = scene->boundary.elasticity;
+  const double volume = scene->fluid.mass_factor / hc_setup_rest_lattice_sum(ratio); /* in h3 */
+  for (int k = 0; k <= HC_WALL_WEIGHTS; k++)
+    solver->wall_weights[k] = (float)(volume * hc_setup_half_space(ratio, (double)k / HC_WALL_WEIGHTS));
+}
+
 static void choose_settings(hc_simulation *simulation) {
   const hc_scene *scene = simulation->scene;
   hc_solver_settings *solver = &simulation->solver_settings;
@@ -154,6 +176,9 @@ static void choose_settings(hc_simulation *simulation) {
                                  .min_divergence_neighbors = scene->solver.min_divergence_neighbors,
                                  .negative_pressure = scene->solver.negative_pressure};
   memcpy(solver->gravity, scene->gravity, sizeof solver->gravity);
+  if (scene->fluid.surface_tension.model == HC_TENSION_BECKER2007)
+    solver->surface_tension = scene->fluid.surface_tension.coefficient;
+  if (scene->solver.method == HC_SOLVER_PCISPH) choose_prediction(scene, solver);
   simulation->solver = solver_of(scene->solver.method);
 
   simulation->step_settings = hc_step_settings_of(scene);
@@ -239,9 +264,9 @@ hc_step_report hc_simulation_start_report(const hc_scene *scene, double v2_max) 
 }
 
 /* Gives the fields that steps derive a meaning in the first snapshot too. */
-static void fill_derived(hc_world *world) {
-  hc_particles *fluid = &world->fluid;
-  world->sweeps->density(&world->sweep, 0, fluid->own);
+static void fill_derived(hc_simulation *simulation) {
+  hc_particles *fluid = &simulation->world.fluid;
+  simulation->solver->densities(&simulation->world, &simulation->solver_settings);
   memset(fluid->pressure, 0, (size_t)fluid->own * sizeof *fluid->pressure);
   memset(fluid->acceleration, 0, 3 * (size_t)fluid->own * sizeof *fluid->acceleration);
 }
@@ -257,6 +282,31 @@ static void register_state(hc_simulation *simulation) {
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->capped_at, "capped_at");
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->world.fluid_total, "fluid_total");
   hc_rollback_register(simulation);
+}
+
+/* Fluid that is squeezed from the start, as too near to a wall, explodes: the pressure that pushes it apart
+ * in one step knows no bounds. PCISPH is told how much it may be. Collective. */
+static hc_status refuse_dense_start(hc_simulation *simulation, hc_error *error) {
+  const hc_particles *fluid = &simulation->world.fluid;
+  const hc_frame *frame = &simulation->world.frame;
+  if (simulation->scene->solver.method != HC_SOLVER_PCISPH) return HC_OK;
+  int32_t worst = 0;
+  for (int32_t k = 1; k < fluid->own; k++)
+    if (fluid->density[k] > fluid->density[worst]) worst = k;
+  double density = fluid->own > 0 ? (double)fluid->density[worst] : 0.0;
+  const double most = simulation->solver_settings.density_error_max;
+  const double own = density / simulation->scene->fluid.rest_density - 1.0;
+  hc_comm_max_f64(simulation->comm, &density, 1);
+  if (own > most && density == (double)fluid->density[worst])
+    hc_error_set(error, HC_BAD_INPUT,
+                 "the fluid at (%.6g, %.6g, %.6g) m is %.3g %% too dense at the start, "
+                 "solver.density_error_max allows "
+                 "%.3g %%: fluid lattices must not overlap, and keep half a spacing from walls",
+                 hc_frame_to_metres(frame, 0, fluid->position[3 * (size_t)worst]),
+                 hc_frame_to_metres(frame, 1, fluid->position[3 * (size_t)worst + 1]),
+                 hc_frame_to_metres(frame, 2, fluid->position[3 * (size_t)worst + 2]), 100.0 * own,
+                 100.0 * most);
+  return hc_comm_agree(simulation->comm, error);
 }
 
 /* What is known of the particles before there are any. Agreed. */
@@ -301,7 +351,8 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
 hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   if (fill_world(simulation, error) != HC_OK) return error->status;
-  fill_derived(world);
+  fill_derived(simulation);
+  if (refuse_dense_start(simulation, error) != HC_OK) return error->status;
   simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
   double v2_max = hc_simulation_fastest(&world->fluid);
   hc_comm_max_f64(simulation->comm, &v2_max, 1);
@@ -357,7 +408,7 @@ static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) 
   hc_fault *fault = &simulation->report.fault;
   const bool gave_up = hc_rollback_gave_up(simulation);
   if (gave_up || hc_time_step_too_small(&simulation->step_settings, simulation->time, dt)) {
-    fill_derived(world);
+    fill_derived(simulation);
     hc_fault_note(fault, HC_FAULT_TIME_STEP, -1.0, INT64_MAX); /* also where no particle is left */
     hc_fault_watch_fastest(world, HC_FAULT_TIME_STEP, fault);
     hc_fault_agree(world->comm, dt, fault, error);

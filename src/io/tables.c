@@ -13,7 +13,8 @@
 
 static const char step_header[] =
     "step,time,dt,iterations_density,iterations_divergence,density_error_avg,density_error_max,v_max,a_max,"
-    "kinetic_energy,potential_energy,fluid_particles,active_fraction,active_boundary_fraction,event\n";
+    "kinetic_energy,potential_energy,fluid_particles,active_fraction,active_boundary_fraction,event,force_"
+    "max\n";
 static const char load_header[] = "step,wall_seconds,imbalance,ghosts_max,bytes_sent_max,event\n";
 
 static hc_status failed(const hc_table *table, hc_error *error) {
@@ -103,7 +104,7 @@ static void put_number(FILE *stream, double value) {
 static void put_event(FILE *stream, const char *event) {
   if (!event) event = "";
   HC_CHECK(!strpbrk(event, ",\"\r\n"), "an event must not hold a comma, quote or line end, got %s", event);
-  fprintf(stream, ",%s\n", event);
+  fprintf(stream, ",%s", event);
 }
 
 hc_status hc_tables_add_step(hc_tables *tables, const hc_step_row *row, hc_error *error) {
@@ -123,6 +124,8 @@ hc_status hc_tables_add_step(hc_tables *tables, const hc_step_row *row, hc_error
   put_number(stream, row->active_fraction);
   put_number(stream, row->active_boundary_fraction);
   put_event(stream, row->event);
+  put_number(stream, row->force_max);
+  fputc('\n', stream);
   return flush(&tables->steps, error);
 }
 
@@ -134,6 +137,7 @@ hc_status hc_tables_add_load(hc_tables *tables, const hc_load_row *row, hc_error
   put_number(stream, row->imbalance);
   fprintf(stream, ",%" PRId64 ",%" PRId64, row->ghosts_max, row->bytes_sent_max);
   put_event(stream, row->event);
+  fputc('\n', stream);
   return flush(&tables->load, error);
 }
 

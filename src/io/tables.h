@@ -18,7 +18,8 @@ typedef struct hc_step_row {
   int iterations_density, iterations_divergence;
   double density_error_avg, density_error_max; /* fractions of the rest density */
   double v_max, a_max;                         /* m/s, m/s2 */
-  double kinetic_energy, potential_energy;     /* J */
+  double force_max;                        /* m/s2: what the choice of the next step reads, see solver.h */
+  double kinetic_energy, potential_energy; /* J */
   int64_t fluid_particles;
   double active_fraction, active_boundary_fraction;
   const char *event; /* words joined by '+', or "" or null; no comma, quote or line end */

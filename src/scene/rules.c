@@ -191,6 +191,37 @@ static void check_iterations(const hc_given *given, const char *low, const char 
                     iterations.min, iterations.max);
 }
 
+/* Defaults that hang on the method, and what does not go together. */
+static void check_solver(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  if (is_bad(given, "solver.method")) return;
+  if (!is_bad(given, "boundary.method") && scene->boundary.method != HC_BOUNDARY_AKINCI2012 &&
+      !is_bad(given, "fluid.viscosity.model") && scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR)
+    hc_complaints_add(
+        complaints, hc_given_place_of(given, "fluid.viscosity.model"),
+        "fluid.viscosity.model must not be laminar unless boundary.method is akinci2012: only its "
+        "walls hold the fluid at their surface");
+  if (scene->solver.method == HC_SOLVER_PCISPH) {
+    if (!is_given(given, "solver.density_error_avg")) scene->solver.density_error_avg = 0.01;
+    if (!is_given(given, "solver.density_iterations.min")) scene->solver.density_iterations.min = 3;
+    const bool adaptive = !is_bad(given, "time_step.control") && scene->time_step.control == HC_TIME_ADAPTIVE;
+    if (adaptive && !is_given(given, "solver.density_iterations.max"))
+      scene->solver.density_iterations.max = scene->solver.density_iterations.min;
+    if (adaptive || is_bad(given, "solver.density_error_max") || is_bad(given, "solver.density_error_avg"))
+      return;
+    if (scene->solver.density_error_max == 0.0 ||
+        scene->solver.density_error_max >= scene->solver.density_error_avg)
+      return;
+    hc_complaints_add(complaints, hc_given_place_of(given, "solver.density_error_max"),
+                      "solver.density_error_max must be 0 or >= solver.density_error_avg, not %g < %g",
+                      scene->solver.density_error_max, scene->solver.density_error_avg);
+    return;
+  }
+  if (is_bad(given, "boundary.method") || scene->boundary.method == HC_BOUNDARY_AKINCI2012) return;
+  hc_complaints_add(complaints, hc_given_place_of(given, "boundary.method"),
+                    "boundary.method must be akinci2012 with solver.method dfsph: the others move predicted "
+                    "positions, which only pcisph has");
+}
+
 /* False, after a complaint, for a direction of no length. */
 static bool check_direction(const hc_given *given, const char *path, const double direction[3],
                             hc_complaints *complaints) {
@@ -350,6 +381,7 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
   check_support(scene, given, complaints);
   check_domain(scene, given, complaints);
   check_limits(scene, given, complaints);
+  check_solver(scene, given, complaints);
   check_iterations(given, "solver.density_iterations.min", "solver.density_iterations.max",
                    scene->solver.density_iterations, complaints);
   check_iterations(given, "solver.divergence_iterations.min", "solver.divergence_iterations.max",

@@ -116,8 +116,15 @@ typedef enum hc_viscosity_model {
   HC_VISCOSITY_LAMINAR,    /* coefficient: kinematic viscosity, m2/s */
 } hc_viscosity_model;
 
-typedef enum hc_boundary_method { HC_BOUNDARY_AKINCI2012 } hc_boundary_method;
-typedef enum hc_solver_method { HC_SOLVER_DFSPH } hc_solver_method;
+typedef enum hc_tension_model { HC_TENSION_NONE, HC_TENSION_BECKER2007 } hc_tension_model;
+typedef enum hc_boundary_method {
+  HC_BOUNDARY_AKINCI2012,
+  HC_BOUNDARY_IHMSEN2010,
+  HC_BOUNDARY_BECKER2009,
+  HC_BOUNDARY_HARADA2007
+} hc_boundary_method;
+typedef enum hc_solver_method { HC_SOLVER_DFSPH, HC_SOLVER_PCISPH } hc_solver_method;
+typedef enum hc_density_correction { HC_CORRECTION_NONE, HC_CORRECTION_SHEPARD } hc_density_correction;
 typedef enum hc_time_control { HC_TIME_CONSTANT, HC_TIME_CFL, HC_TIME_ADAPTIVE } hc_time_control;
 typedef enum hc_leaving { HC_LEAVING_ERROR, HC_LEAVING_REMOVE } hc_leaving;
 typedef enum hc_decomposition { HC_DECOMPOSITION_SLABS, HC_DECOMPOSITION_METIS } hc_decomposition;
@@ -171,6 +178,10 @@ typedef struct hc_scene {
       double coefficient;
       double sound_speed; /* artificial: m/s; 0 = 10 sqrt(2 |g| H) with H the fluid's height at the start */
     } viscosity;
+    struct {
+      hc_tension_model model;
+      double coefficient; /* kappa, m3/s2 */
+    } surface_tension;
     double mass_factor; /* particle mass over the lattice's; below 1 under-fills a closed periodic domain */
     double disorder;    /* largest random shift off the lattice along each axis, in spacings */
     int settle_steps;   /* before the start: gravity and pressure without momentum */
@@ -181,7 +192,10 @@ typedef struct hc_scene {
   struct {
     hc_boundary_method method;
     double volume_factor; /* 0 = computed */
+    int layers;           /* of samples; 0 = what the method asks for */
     bool contact;         /* hold particles that the wall's pressure does not stop */
+    double friction;      /* share of the tangential velocity that stays; 1 = free slip */
+    double elasticity;    /* share of the normal velocity that returns */
     hc_wall *walls;
     int wall_count;
   } boundary;
@@ -190,7 +204,8 @@ typedef struct hc_scene {
     hc_solver_method method;
     double density_error_avg; /* fraction of the rest density */
     double density_error_max; /* the same; 0 = 10 times density_error_avg */
-    double divergence_error;  /* fraction of the rest density per step */
+    hc_density_correction density_correction;
+    double divergence_error; /* fraction of the rest density per step */
     hc_iterations density_iterations, divergence_iterations;
     double warm_start;            /* share of the last step's pressure taken over, 0 to 1 */
     double relaxation;            /* of each correction, above 0 to 1 */

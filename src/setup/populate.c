@@ -15,10 +15,11 @@ static hc_status plan_sources(const hc_scene *scene, hc_setup_plan *plan, hc_err
     source->first = plan->fluid_count;
     plan->fluid_count += hc_source_count(source);
   }
+  const int layers = hc_setup_layers(scene);
   for (int number = 0; number < scene->boundary.wall_count; number++) {
     hc_setup_source *const source = &plan->boundary[plan->boundary_sources++];
     const hc_status status =
-        hc_source_wall(&plan->frame, &scene->boundary.walls[number], number, source, error);
+        hc_source_wall(&plan->frame, &scene->boundary.walls[number], number, layers, source, error);
     if (status) return status;
   }
   hc_union_drop(&plan->frame, plan->boundary, plan->boundary_sources);
@@ -86,6 +87,11 @@ static void place(const hc_setup_plan *plan, const hc_setup_source *source, int6
     const int64_t shift = source->kind == HC_ID_FLUID ? random_shift(id, a, plan->disorder[a]) : 0;
     particles->position[3 * index + a] = hc_frame_wrap(&plan->frame, a, point[a] + shift);
   }
+  if (source->kind != HC_ID_BOUNDARY) return;
+  double x[3], normal[3];
+  for (int a = 0; a < 3; a++) x[a] = hc_frame_to_metres(&plan->frame, a, point[a]);
+  hc_source_normal(&plan->frame, source, x, normal);
+  for (int a = 0; a < 3; a++) particles->normal[3 * index + a] = (float)normal[a];
 }
 
 static void generate(const hc_setup_plan *plan, const hc_setup_source *sources, int source_count,

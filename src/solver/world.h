@@ -16,6 +16,9 @@ typedef struct hc_world {
   hc_halo halo, boundary_halo;
   hc_neighbor_search search;
   hc_neighbors list, walls; /* fluid -> fluid, fluid -> boundary */
+  hc_neighbors wetted;      /* boundary -> fluid, where walls have a pressure of their own */
+  hc_record *contacts;      /* see hc_collision; room for contact_room */
+  size_t contact_room;
   const hc_sweeps *sweeps;
   hc_sweep sweep;
   const hc_boundary_ops *boundary_ops;

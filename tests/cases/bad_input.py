@@ -57,6 +57,7 @@ SCENES = {
     "negative spacing": (changed("0.1", "-0.1"), "1:19", "particle_spacing must be > 0, not '-0.1'"),
     "zero spacing": (changed("0.1", "0"), "1:19", "particle_spacing must be > 0, not '0'"),
     "tiny spacing": (changed("0.1", "1e-320"), "1:19", "particle_spacing must be 1e-9 to 1e9"),
+    "too many layers": (added("boundary: {layers: 3}"), "4:20", "boundary.layers must be in [0, 2], not '3'"),
     "out of range": (added("fluid2: 1\nsolver: {warm_start: 1.5}"), "5:22", "must be in [0, 1], not '1.5'"),
     "NaN": (added("gravity: [0, 0, .nan]"), "4:17", "gravity[2] must be finite, not '.nan'"),
     "infinity": (changed("end_time: 1", "end_time: .inf"), "2:11", "end_time must be finite, not '.inf'"),
