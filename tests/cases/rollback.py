@@ -4,6 +4,7 @@ restart from just before a shock goes on to the same bytes."""
 
 import json
 import re
+import subprocess
 
 import case as c
 
@@ -153,5 +154,24 @@ def ends(case, _):
     return "the message names the shock; the checkpoint before it goes on"
 
 
+def plotted(case, _):
+    """plot_run draws the time step with its shocks, and pressures."""
+    output = case.folder / "drawn"
+    launch(case, output, 2, ("output.snapshots.every=0.05",))
+    plot = [str(c.SOURCE / "scripts/plot_run"), str(output), "--panels", "2"]
+    for options, wanted in ((["--color", "pressure"], "drop_pressure.png"), ([], "drop.png")):
+        done = subprocess.run(["/usr/bin/python3", *plot, *options], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              text=True, check=False, timeout=120)
+        for name in (wanted, "history.png", "time_step.png"):
+            c.expect(done.returncode == 0 and f"{output / name}\n" in done.stdout, f"plot_run, {name}: {done.stdout}")
+            c.expect((output / name).stat().st_size > 20000, f"{name} is nearly empty")
+    launch(case, output, 1, ("output.snapshots.every=0.05", "output.snapshots.fields=[velocity]"), ["--force", "--steps", 3])
+    done = subprocess.run(["/usr/bin/python3", *plot, "--color", "pressure"], stdout=subprocess.PIPE, check=False,
+                          stderr=subprocess.STDOUT, text=True, timeout=120)
+    c.expect(done.returncode == 2 and "output.snapshots.fields" in done.stdout, f"without pressures: {done.stdout}")
+    return "drop.png, drop_pressure.png, history.png, time_step.png"
+
+
 if __name__ == "__main__":
-    c.main(__doc__, {"shocks": shocks, "restarts": restarts, "sessions": sessions, "ends": ends})
+    c.main(__doc__, {"shocks": shocks, "restarts": restarts, "sessions": sessions, "ends": ends,
+                     "plotted": plotted})
