@@ -30,7 +30,7 @@ ROOMS = {
     "sources": ["geometry", "domain", "state"],
     "solver": ["sph", "boundary", "rigid", "domain", "comm"],
     "stepping": ["solver", "state"],
-    "setup": ["scene", "geometry", "domain", "solver"],
+    "setup": ["scene", "geometry", "domain", "solver", "sources"],
     "window": ["setup", "domain", "state"],
     "io": ["state", "scene", "comm"],
     "gauges": ["sph", "geometry", "comm", "scene"],

@@ -1,12 +1,13 @@
 /* halocline check: what a run would be, for people or as one JSON object.
  *
  * The keys of the JSON object: scene, particle_spacing, support_radius, end_time; fluid, boundary: particles;
- * blocks, walls: lists of {name, particles, extent}; extents: {fluid, boundary, all}; an extent is {low [3],
- * high [3]} of the particles' positions in m, or null where there are none; periodic [3]: {low, high} in m or
- * null for each axis; limits [3]: likewise, of the world; leaving: what particles beyond do; first_step: {dt,
- * bound}; steps, steps_exact (else they are the fewest); ranks; memory_per_rank: bytes, {total, program,
- * fluid, boundary, ghosts, writing}; output: {snapshots, snapshot_bytes, checkpoint_bytes,
- * total_bytes}. Estimates are those of estimate.h. */
+ * emitters: a list of {name, layer (particles), most (particles until the end), speed, rate}; fluid_most:
+ * with all that emitters bring; blocks, walls: lists of {name, particles, extent} and, for walls that move,
+ * swept; extents: {fluid, boundary, all}; an extent is {low [3], high [3]} of the particles' positions in m,
+ * or null where there are none; periodic [3]: {low, high} in m or null for each axis; limits [3]: likewise,
+ * of the world; leaving: what particles beyond do; first_step: {dt, bound}; steps, steps_exact (else they are
+ * the fewest); ranks; memory_per_rank: bytes, {total, program, fluid, boundary, ghosts, writing}; output:
+ * {snapshots, snapshot_bytes, checkpoint_bytes, total_bytes}. Estimates are those of estimate.h. */
 #include "commands.h"
 #include "estimate.h"
 #include "io/text.h"
@@ -39,10 +40,20 @@ static void put_particles(const hc_scene *scene, const hc_estimate *estimate) {
     printf("  ");
     put_set(hc_source_block_name(k).text, &estimate->blocks[k]);
   }
+  for (int k = 0; k < scene->fluid.emitter_count; k++) {
+    const hc_estimate_emitter *emitter = &estimate->emitters[k];
+    printf("  %-19s %" PRId64 " a layer at %.6g m/s, %.6g m3/s, at most %" PRId64 " until the end\n",
+           hc_prescribed_emitter_name(k).text, emitter->samples, emitter->speed, emitter->rate,
+           emitter->most);
+  }
   put_set("boundary particles", &estimate->boundary);
   for (int k = 0; k < scene->boundary.wall_count; k++) {
     printf("  ");
     put_set(hc_source_wall_name(&scene->boundary.walls[k], k).text, &estimate->walls[k]);
+    if (estimate->swept[k].count > 0)
+      printf("    moves within      (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g) m\n", estimate->swept[k].low[0],
+             estimate->swept[k].low[1], estimate->swept[k].low[2], estimate->swept[k].high[0],
+             estimate->swept[k].high[1], estimate->swept[k].high[2]);
   }
   put_set("all particles", &estimate->all);
   for (int axis = 0; axis < 3; axis++)
@@ -117,12 +128,28 @@ static void put_json_extent(const char *before, const char *name, const hc_estim
   hc_text_json_extent(stdout, before, name, set->count > 0, set->low, set->high);
 }
 
-static void put_json_source(int number, const char *name, const hc_estimate_set *set) {
+static void put_json_source(int number, const char *name, const hc_estimate_set *set,
+                            const hc_estimate_set *swept) {
   printf("%s{\"name\":", number ? "," : "");
   hc_text_json_string(stdout, name);
   printf(",\"particles\":%" PRId64, set->count);
   put_json_extent(",", "extent", set);
+  if (swept && swept->count > 0) put_json_extent(",", "swept", swept);
   printf("}");
+}
+
+static void put_json_emitters(const hc_scene *scene, const hc_estimate *estimate) {
+  printf(",\"fluid_most\":%" PRId64 ",\"emitters\":[", estimate->fluid_most);
+  for (int k = 0; k < scene->fluid.emitter_count; k++) {
+    const hc_estimate_emitter *emitter = &estimate->emitters[k];
+    printf("%s{\"name\":", k ? "," : "");
+    hc_text_json_string(stdout, hc_prescribed_emitter_name(k).text);
+    printf(",\"layer\":%" PRId64 ",\"most\":%" PRId64, emitter->samples, emitter->most);
+    hc_text_json_numbers(stdout, "speed", 0, &emitter->speed);
+    hc_text_json_numbers(stdout, "rate", 0, &emitter->rate);
+    printf("}");
+  }
+  printf("]");
 }
 
 /* `,"name":[{low, high}, ...]`, null along axes that have none. */
@@ -144,10 +171,11 @@ static void put_json_particles(const hc_scene *scene, const hc_estimate *estimat
   printf(",\"fluid\":%" PRId64 ",\"boundary\":%" PRId64 ",\"blocks\":[", estimate->fluid.count,
          estimate->boundary.count);
   for (int k = 0; k < scene->fluid.block_count; k++)
-    put_json_source(k, hc_source_block_name(k).text, &estimate->blocks[k]);
+    put_json_source(k, hc_source_block_name(k).text, &estimate->blocks[k], NULL);
   printf("],\"walls\":[");
   for (int k = 0; k < scene->boundary.wall_count; k++)
-    put_json_source(k, hc_source_wall_name(&scene->boundary.walls[k], k).text, &estimate->walls[k]);
+    put_json_source(k, hc_source_wall_name(&scene->boundary.walls[k], k).text, &estimate->walls[k],
+                    &estimate->swept[k]);
   printf("],\"extents\":{");
   put_json_extent("", "fluid", &estimate->fluid);
   put_json_extent(",", "boundary", &estimate->boundary);
@@ -158,6 +186,7 @@ static void put_json_particles(const hc_scene *scene, const hc_estimate *estimat
   for (int axis = 0; axis < 3; axis++) limited[axis] = isfinite(estimate->limits_low[axis]);
   put_json_ranges("limits", limited, estimate->limits_low, estimate->limits_high);
   printf(",\"leaving\":\"%s\"", leaving_name(scene));
+  put_json_emitters(scene, estimate);
 }
 
 static void put_json(const hc_scene *scene, const hc_estimate *estimate) {

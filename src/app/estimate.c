@@ -123,9 +123,9 @@ static hc_status estimate_particles(const hc_setup_plan *plan, hc_estimate *esti
 
 /* ---- time ---- */
 
-static void estimate_steps(const hc_scene *scene, double v2_max, hc_estimate *estimate) {
+static void estimate_steps(const hc_scene *scene, double v2_max, double prescribed, hc_estimate *estimate) {
   const hc_step_settings step = hc_step_settings_of(scene);
-  const hc_step_report start = hc_simulation_start_report(scene, v2_max);
+  const hc_step_report start = hc_simulation_start_report(scene, fmax(v2_max, prescribed * prescribed));
   estimate->first_step =
       hc_time_step_next(&step, 0.0, hc_simulation_settle_step(scene), &start, &estimate->bound);
   hc_step_bound unused;
@@ -169,14 +169,15 @@ double hc_estimate_least_memory(const hc_scene *scene, const hc_setup_plan *plan
 
 static void estimate_memory(const hc_scene *scene, hc_estimate *estimate) {
   const double ranks = (double)estimate->ranks;
-  const double fluid = (double)estimate->fluid.count, boundary = (double)estimate->boundary.count;
+  const double fluid = (double)estimate->fluid_most, boundary = (double)estimate->boundary.count;
   const double uneven = fmin(scene->parallel.rebalance_above, ranks);
   const double load = (HC_COST_FLUID * fluid + HC_COST_BOUNDARY * boundary) / ranks * uneven;
   const double own_boundary = fmin(boundary, load / HC_COST_BOUNDARY);
   const double own_fluid = (load - HC_COST_BOUNDARY * own_boundary) / HC_COST_FLUID;
   const int axis = longest_axis(&estimate->all);
   double ghosts = 0.0;
-  if (fluid > 0) ghosts += fluid / ranks * ghost_share(scene, &estimate->fluid, axis, estimate->ranks);
+  if (estimate->fluid.count > 0)
+    ghosts += fluid / ranks * ghost_share(scene, &estimate->fluid, axis, estimate->ranks);
   if (boundary > 0)
     ghosts += boundary / ranks * ghost_share(scene, &estimate->boundary, axis, estimate->ranks);
   estimate->memory_program = PROGRAM;
@@ -192,7 +193,8 @@ static void estimate_memory(const hc_scene *scene, hc_estimate *estimate) {
 
 static hc_status estimate_output(const hc_scene *scene, hc_estimate *estimate, hc_error *error) {
   int64_t bytes;
-  if (hc_snapshot_bytes(scene, estimate->all.count, &bytes, error) != HC_OK) return error->status;
+  if (hc_snapshot_bytes(scene, estimate->fluid_most + estimate->boundary.count, &bytes, error) != HC_OK)
+    return error->status;
   const double every = scene->output.snapshots_every;
   const double intervals = every > 0.0 ? ceil(scene->end_time / every * (1.0 - 1e-12)) : 1.0;
   estimate->snapshots = 1 + (int64_t)intervals;
@@ -200,7 +202,7 @@ static hc_status estimate_output(const hc_scene *scene, hc_estimate *estimate, h
     estimate->snapshots = estimate->steps + 1;
   estimate->snapshot_bytes = (double)bytes;
   estimate->checkpoint_bytes =
-      (double)estimate->fluid.count * (double)hc_particles_state_bytes(HC_FLUID) +
+      (double)estimate->fluid_most * (double)hc_particles_state_bytes(HC_FLUID) +
       (double)estimate->boundary.count * (double)hc_particles_state_bytes(HC_BOUNDARY) + CHECKPOINT_HEADERS;
   const int every_steps = scene->output.checkpoints_every_steps;
   const bool many = every_steps > 0 && estimate->steps > every_steps;
@@ -214,10 +216,40 @@ static hc_status estimate_output(const hc_scene *scene, hc_estimate *estimate, h
   return HC_OK;
 }
 
-static hc_status estimate_limits(const hc_scene *scene, const hc_setup_plan *plan, hc_estimate *estimate,
-                                 hc_error *error) {
+/* ---- what is prescribed ---- */
+
+static void estimate_emitters(const hc_scene *scene, const hc_emitters *emitters, hc_estimate *estimate) {
+  estimate->emitters = hc_alloc((size_t)emitters->count, sizeof *estimate->emitters);
+  estimate->fluid_most = estimate->fluid.count;
+  for (int k = 0; k < emitters->count; k++) {
+    const hc_emitter *emitter = &emitters->emitters[k];
+    hc_estimate_emitter *into = &estimate->emitters[k];
+    *into = (hc_estimate_emitter){.samples = emitter->sample_count,
+                                  .most = (int64_t)hc_emitter_most(emitter, scene->end_time),
+                                  .speed = emitter->speed,
+                                  .rate = emitter->speed * (double)emitter->sample_count * emitter->spacing *
+                                          emitter->spacing};
+    hc_prescribed_emitter_bounds(emitter, into->low, into->high);
+    estimate->fluid_most += into->most;
+  }
+}
+
+static void estimate_motions(const hc_scene *scene, const hc_prescribed_motions *motions,
+                             hc_estimate *estimate) {
+  estimate->swept = hc_alloc((size_t)scene->boundary.wall_count, sizeof *estimate->swept);
+  for (int k = 0; k < scene->boundary.wall_count; k++) estimate->swept[k] = empty_set();
+  for (int k = 0; k < motions->count; k++) {
+    hc_estimate_set *swept = &estimate->swept[motions->walls[k].wall];
+    *swept = estimate->walls[motions->walls[k].wall];
+    if (swept->count > 0)
+      hc_prescribed_sweep(&motions->walls[k].motion, scene->end_time, swept->low, swept->high);
+  }
+}
+
+static hc_status estimate_limits(const hc_scene *scene, const hc_setup_plan *plan,
+                                 const hc_emitters *emitters, hc_estimate *estimate, hc_error *error) {
   hc_limits limits;
-  if (hc_setup_limits(scene, plan, &limits, error) != HC_OK) return error->status;
+  if (hc_setup_limits(scene, plan, emitters, &limits, error) != HC_OK) return error->status;
   for (int axis = 0; axis < 3; axis++) {
     estimate->limits_low[axis] = hc_limits_low(&limits, &plan->frame, axis);
     estimate->limits_high[axis] = hc_limits_high(&limits, &plan->frame, axis);
@@ -225,20 +257,37 @@ static hc_status estimate_limits(const hc_scene *scene, const hc_setup_plan *pla
   return HC_OK;
 }
 
+/* Everything that is told apart from the plan, which is the scene's. */
+static hc_status estimate_from_plan(const hc_scene *scene, const hc_setup_plan *plan, hc_estimate *estimate,
+                                    hc_error *error) {
+  double v2_max;
+  hc_emitters emitters;
+  const int size = estimate->ranks < INT_MAX ? (int)estimate->ranks : INT_MAX;
+  hc_status status = hc_prescribed_emitters_make(scene, &plan->frame, &emitters, error);
+  if (status == HC_OK)
+    status = hc_setup_check_share(plan, size - 1, size, error); /* the largest is the last */
+  if (status == HC_OK) status = estimate_limits(scene, plan, &emitters, estimate, error);
+  if (status == HC_OK) status = estimate_particles(plan, estimate, &v2_max, error);
+  if (status == HC_OK) {
+    hc_prescribed_motions motions = hc_prescribed_motions_make(scene, plan);
+    estimate_emitters(scene, &emitters, estimate);
+    estimate_motions(scene, &motions, estimate);
+    estimate_steps(scene, v2_max, hc_simulation_prescribed_speed(scene, &motions, &emitters), estimate);
+    hc_prescribed_motions_free(&motions);
+  }
+  hc_emitters_free(&emitters);
+  return status;
+}
+
 hc_status hc_estimate_make(const hc_scene *scene, int64_t ranks, hc_estimate *estimate, hc_error *error) {
   hc_frame frame;
   hc_setup_plan plan;
-  double v2_max;
   *estimate = (hc_estimate){.ranks = ranks};
   if (hc_setup_frame(scene, &frame, error) != HC_OK) return error->status;
   if (hc_setup_plan_make(scene, &frame, &plan, error) != HC_OK) return error->status;
-  const int size = ranks < INT_MAX ? (int)ranks : INT_MAX;
-  hc_status status = hc_setup_check_share(&plan, size - 1, size, error); /* the largest is the last */
-  if (status == HC_OK) status = estimate_limits(scene, &plan, estimate, error);
-  if (status == HC_OK) status = estimate_particles(&plan, estimate, &v2_max, error);
+  hc_status status = estimate_from_plan(scene, &plan, estimate, error);
   hc_setup_plan_free(&plan);
   if (status != HC_OK) return status;
-  estimate_steps(scene, v2_max, estimate);
   estimate_memory(scene, estimate);
   status = estimate_output(scene, estimate, error);
   if (status != HC_OK) hc_estimate_free(estimate);
@@ -248,5 +297,7 @@ hc_status hc_estimate_make(const hc_scene *scene, int64_t ranks, hc_estimate *es
 void hc_estimate_free(hc_estimate *estimate) {
   hc_free(estimate->blocks);
   hc_free(estimate->walls);
+  hc_free(estimate->emitters);
+  hc_free(estimate->swept);
   *estimate = (hc_estimate){.ranks = 0};
 }

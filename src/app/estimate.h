@@ -12,6 +12,8 @@
  * 240,000 particles on 1 and 3 ranks, with the libraries of Debian 12: within 13 %. Known weakness: PROGRAM
  * is mostly the MPI library's, which may take more elsewhere; spray costs more than a body of water.
  *
+ * Emitters: f counts what they will have brought at the end, evenly spread.
+ *
  * Files: snapshots are as many as asked for, or fewer where steps are longer than their interval; a
  * snapshot's size is right to a few per cent, its packed columns take next to nothing. The tables are counted
  * for the least number of steps. */
@@ -21,7 +23,15 @@
 #include "halocline/error.h"
 #include "scene/scene.h"
 #include "setup/limits.h"
+#include "setup/prescribed.h"
 #include "stepping/time_step.h"
+
+/* What an emitter brings. */
+typedef struct hc_estimate_emitter {
+  int64_t samples, most;  /* of a layer; particles until the end, if nothing is blocked or the limit is met */
+  double speed, rate;     /* m/s; m3/s: what its layers make */
+  double low[3], high[3]; /* m: the samples, as a layer comes in */
+} hc_estimate_emitter;
 
 /* Some particles and the smallest box around their centres. */
 typedef struct hc_estimate_set {
@@ -31,7 +41,10 @@ typedef struct hc_estimate_set {
 
 typedef struct hc_estimate {
   hc_estimate_set fluid, boundary, all;
-  hc_estimate_set *blocks, *walls;      /* as fluid.blocks and boundary.walls of the scene */
+  hc_estimate_set *blocks, *walls; /* as fluid.blocks and boundary.walls of the scene */
+  hc_estimate_emitter *emitters;   /* as fluid.emitters */
+  int64_t fluid_most;              /* fluid particles at the end, emitters' included */
+  hc_estimate_set *swept; /* walls that move: all places that they come to until the end; count 0: stands */
   double limits_low[3], limits_high[3]; /* m: of the world; infinite where there are none */
   double first_step;                    /* s, exactly what run takes */
   hc_step_bound bound;                  /* what bounds it */
@@ -45,7 +58,8 @@ typedef struct hc_estimate {
       output_bytes; /* in all at the end, with one checkpoint, or as many as are kept if they come by steps */
 } hc_estimate;
 
-/* Bytes that a rank needs at least: the program, and its share of the particles of a plan. Local. */
+/* Bytes that a rank needs at least: the program, and its share of the particles of a plan. What emitters
+ * bring later is not in it: a run may be stopped before. Local. */
 double hc_estimate_least_memory(const hc_scene *scene, const hc_setup_plan *plan, int64_t ranks);
 
 /* Estimates a run on so many ranks; freed with hc_estimate_free. HC_BAD_INPUT: the scene's particles cannot

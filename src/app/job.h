@@ -26,6 +26,7 @@ typedef struct hc_job_load {
 typedef struct hc_job_counts {
   int64_t snapshots; /* written, those of the last moment of a stopped run not counted */
   int64_t departed;  /* particles whose leaving was told one by one */
+  int64_t blocked;   /* particles of emitters that were left out */
   int64_t density_caps, divergence_caps, contacts, compressed_steps;
   double shortest_step, longest_step; /* s */
   double gauge_time;                  /* s, of the last regular row of gauges.csv; -1: none */

@@ -203,6 +203,12 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
   if (hc_rollback_is_on(simulation))
     hc_log_info(&job->log, "rollbacks: %lld, which took back %lld steps",
                 (long long)simulation->rollback.guard.rollbacks, (long long)simulation->rollback.guard.steps);
+  for (int k = 0; k < simulation->emitters.count; k++) {
+    const hc_emitter *emitter = &simulation->emitters.emitters[k];
+    hc_log_info(&job->log, "%s: %lld particles in %lld layers, %lld left out for want of room",
+                hc_prescribed_emitter_name(k).text, (long long)emitter->emitted, (long long)emitter->layers,
+                (long long)emitter->blocked);
+  }
   int64_t digest = (int64_t)hc_state_digest_particles(&simulation->state, HC_FLUID | HC_BOUNDARY);
   hc_comm_sum_i64(job->comm, &digest, 1);
   hc_log_info(&job->log, "digest of the last state, the same on any number of ranks: %016llx",

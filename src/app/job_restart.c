@@ -24,6 +24,7 @@ void hc_job_register(hc_job *job) {
                  g);
   hc_state_add(state, HC_TYPE_i64, 1, &counts->snapshots, "snapshots");
   hc_state_add(state, HC_TYPE_i64, 1, &counts->departed, "departed");
+  hc_state_add(state, HC_TYPE_i64, 1, &counts->blocked, "blocked");
   hc_state_add(state, HC_TYPE_i64, 1, &counts->density_caps, "density_caps");
   hc_state_add(state, HC_TYPE_i64, 1, &counts->divergence_caps, "divergence_caps");
   hc_state_add(state, HC_TYPE_i64, 1, &counts->contacts, "contacts");

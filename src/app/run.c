@@ -122,6 +122,20 @@ static void tell_departures(hc_job *job, char *event, size_t size) {
            (long long)departures->count);
 }
 
+/* Emitters' samples that found their place taken. */
+static void tell_blocked(hc_job *job, char *event, size_t size) {
+  const hc_simulation *simulation = &job->simulation;
+  if (simulation->blocked == 0) return;
+  if (!job->counts.blocked)
+    hc_log_warn(&job->log,
+                "step %lld: %lld particles of emitters found fluid in their places and are left out; see the "
+                "event blocked in steps.csv, and the summary",
+                (long long)simulation->step, (long long)simulation->blocked);
+  job->counts.blocked += simulation->blocked;
+  snprintf(event + strlen(event), size - strlen(event), "%sblocked:%lld", event[0] ? "+" : "",
+           (long long)simulation->blocked);
+}
+
 /* Counts and logs what went wrong in a step; the event words of its row. */
 static void judge_step(hc_job *job, char *event, size_t size) {
   const hc_simulation *simulation = &job->simulation;
@@ -151,6 +165,7 @@ static void judge_step(hc_job *job, char *event, size_t size) {
   if (simulation->rollback.before > 0)
     snprintf(event + strlen(event), size - strlen(event), "%srollback:%lld", event[0] ? "+" : "",
              (long long)simulation->rollback.before);
+  tell_blocked(job, event, size);
   if (job->counts.shortest_step == 0.0 || simulation->dt < job->counts.shortest_step)
     job->counts.shortest_step = simulation->dt;
   if (simulation->dt > job->counts.longest_step) job->counts.longest_step = simulation->dt;

@@ -212,6 +212,21 @@ double hc_simulation_settle_step(const hc_scene *scene) {
   return hc_time_step_next(&settings, 0.0, 0.0, &still, &unused);
 }
 
+/* How far ahead what is prescribed is looked at: no step is longer. */
+static double longest_step(const hc_scene *scene) {
+  return fmax(scene->time_step.max, scene->time_step.size);
+}
+
+/* Puts moving walls where they stand now. */
+static void pose_walls(hc_simulation *simulation, bool held) {
+  hc_world_pose_walls(&simulation->world, simulation->time, longest_step(simulation->scene), held);
+}
+
+double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_prescribed_motions *motions,
+                                      const hc_emitters *emitters) {
+  return hc_prescribed_speed(motions, emitters, 0.0, longest_step(scene));
+}
+
 /* Lets the start come to rest: steps of gravity and pressure that forget all momentum; then every particle
  * gets the velocity of the place it has come to. The pressure stays. */
 static hc_status settle(hc_simulation *simulation, hc_error *error) {
@@ -231,6 +246,7 @@ static hc_status settle(hc_simulation *simulation, hc_error *error) {
                         step + 1, found.text);
   }
   hc_setup_velocities(&simulation->plan, fluid);
+  pose_walls(simulation, false);
   simulation->dt = dt;
   return HC_OK;
 }
@@ -241,7 +257,8 @@ static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   hc_setup_generate(&simulation->plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
   if (hc_comm_agree(comm, error) != HC_OK) return error->status;
-  hc_world_distribute(world, hc_balance_first_divider(simulation->scene));
+  pose_walls(simulation, simulation->scene->fluid.settle_steps > 0);
+  hc_world_start(world, hc_balance_first_divider(simulation->scene));
   if (simulation->scene->fluid.settle_steps > 0 && settle(simulation, error) != HC_OK) return error->status;
   hc_world_update(world);
   hc_setup_plan_free(&simulation->plan);
@@ -281,6 +298,7 @@ static void register_state(hc_simulation *simulation) {
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.force_max, "force_max");
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->capped_at, "capped_at");
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->world.fluid_total, "fluid_total");
+  hc_emitters_register(&simulation->emitters, state);
   hc_rollback_register(simulation);
 }
 
@@ -313,10 +331,15 @@ static hc_status refuse_dense_start(hc_simulation *simulation, hc_error *error) 
 static hc_status plan_particles(hc_simulation *simulation, hc_error *error) {
   hc_setup_plan *plan = &simulation->plan;
   const hc_scene *scene = simulation->scene;
-  if (hc_setup_plan_make(scene, &simulation->world.frame, plan, error) == HC_OK &&
-      hc_setup_limits(scene, plan, &simulation->limits, error) == HC_OK)
+  if (hc_prescribed_emitters_make(scene, &simulation->world.frame, &simulation->emitters, error) == HC_OK &&
+      hc_setup_plan_make(scene, &simulation->world.frame, plan, error) == HC_OK &&
+      hc_setup_limits(scene, plan, &simulation->emitters, &simulation->limits, error) == HC_OK)
     check_memory(simulation->comm, scene, plan, error);
-  return hc_comm_agree(simulation->comm, error);
+  if (hc_comm_agree(simulation->comm, error) != HC_OK) return error->status;
+  simulation->motions = hc_prescribed_motions_make(scene, plan);
+  hc_moving_walls_init(&simulation->world.moving, simulation->motions.walls, simulation->motions.count);
+  register_state(simulation);
+  return HC_OK;
 }
 
 hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const hc_scene *scene,
@@ -343,7 +366,6 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
       .boundary_ops = boundary_of(scene->boundary.method),
       .isa = simulation->isa};
   hc_world_init(&simulation->world, comm, &settings);
-  register_state(simulation);
   if (plan_particles(simulation, error) != HC_OK) hc_simulation_free(simulation);
   return error->status;
 }
@@ -362,6 +384,7 @@ hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error) {
 
 void hc_simulation_adopt(hc_simulation *simulation) {
   hc_world *world = &simulation->world;
+  pose_walls(simulation, false);
   hc_world_distribute(world, hc_balance_first_divider(simulation->scene));
   hc_world_update(world);
   simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
@@ -379,6 +402,8 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
 void hc_simulation_free(hc_simulation *simulation) {
   hc_setup_plan_free(&simulation->plan);
   hc_state_history_free(&simulation->rollback.history);
+  hc_prescribed_motions_free(&simulation->motions);
+  hc_emitters_free(&simulation->emitters);
   hc_state_free(&simulation->state);
   hc_world_free(&simulation->world);
 }
@@ -389,7 +414,11 @@ bool hc_simulation_done(const hc_simulation *simulation) {
 
 /* Inflow, moving walls and bodies will raise v_max here. */
 hc_step_report hc_simulation_seen_by_control(const hc_simulation *simulation) {
-  return simulation->report;
+  hc_step_report report = simulation->report;
+  report.v_max = fmax(report.v_max, simulation->world.moving.speed);
+  report.v_max = fmax(report.v_max, hc_emitters_speed(&simulation->emitters, simulation->time,
+                                                      longest_step(simulation->scene)));
+  return report;
 }
 
 static double choose_step(hc_simulation *simulation) {
@@ -425,6 +454,24 @@ static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) 
   return hc_fault_agree(world->comm, dt, fault, error);
 }
 
+/* The neighbourhoods of the moment, with what the emitters bring in: a place is free or not among the
+ * particles as they are before. */
+static void meet(hc_simulation *simulation) {
+  hc_world *world = &simulation->world;
+  hc_emitters *emitters = &simulation->emitters;
+  pose_walls(simulation, false);
+  if (simulation->step > 0 || world->walls_moved) hc_world_update(world);
+  int64_t blocked = 0;
+  for (int k = 0; k < emitters->count; k++) blocked -= emitters->emitters[k].blocked;
+  simulation->emitted =
+      hc_emitters_release(emitters, &world->domain, &world->cells, &world->fluid, simulation->time);
+  for (int k = 0; k < emitters->count; k++) blocked += emitters->emitters[k].blocked;
+  simulation->blocked = blocked;
+  if (simulation->emitted == 0) return;
+  world->fluid_total += simulation->emitted;
+  hc_world_update(world);
+}
+
 hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   const hc_step_report before = simulation->report;
@@ -437,11 +484,14 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
     simulation->rebalanced = hc_balance_look(&simulation->balance, world, simulation->step);
   }
   hc_balance_start(&simulation->balance, simulation->comm);
-  if (simulation->step > 0) hc_world_update(world);
+  meet(simulation);
   const double dt = choose_step(simulation);
   advance(simulation, dt, error);
   hc_balance_stop(&simulation->balance, simulation->comm);
-  if (hc_rollback_if_shock(simulation, dt, &before, error)) return HC_OK;
+  if (hc_rollback_if_shock(simulation, dt, &before, error)) {
+    pose_walls(simulation, false);
+    return HC_OK;
+  }
   if (error->status != HC_OK) {
     hc_failure_explain(simulation, dt, &before, error);
     return error->status;
@@ -451,6 +501,7 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   simulation->time = simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
   if (simulation->report.density_capped) simulation->capped_at = simulation->step;
   hc_rollback_pass(simulation);
+  pose_walls(simulation, false);
   return HC_OK;
 }
 

@@ -8,6 +8,7 @@
 #include "rollback.h"
 #include "scene/scene.h"
 #include "setup/populate.h"
+#include "setup/prescribed.h"
 #include "solver/solver.h"
 #include "state/state.h"
 #include "stepping/time_step.h"
@@ -25,8 +26,11 @@ typedef struct hc_simulation {
   double dt;    /* the last step's, s; 0 before the first */
   hc_step_bound bound;
   hc_step_report report;
-  hc_setup_plan plan;       /* of the scene's particles; let go once they are there */
-  hc_limits limits;         /* of the world */
+  hc_setup_plan plan;            /* of the scene's particles; let go once they are there */
+  hc_limits limits;              /* of the world */
+  hc_prescribed_motions motions; /* of walls */
+  hc_emitters emitters;
+  int64_t emitted, blocked; /* particles that emitters brought in, and left out, as the last step began */
   hc_departures departures; /* taken out as the last step began */
   int64_t capped_at;        /* the last step in which the density solver was at its cap; 0: none */
   double imbalance;         /* largest over mean number of own fluid particles at the start */
@@ -78,6 +82,11 @@ hc_snapshot hc_simulation_snapshot(const hc_simulation *simulation);
  * squared speed of all fluid particles, m2/s2; and that of the own ones. Local. */
 hc_step_report hc_simulation_start_report(const hc_scene *scene, double v2_max);
 double hc_simulation_fastest(const hc_particles *fluid);
+
+/* The largest speed that the scene prescribes for the start of a run, m/s: it counts as that of the fluid in
+ * the choice of the time step. Local. */
+double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_prescribed_motions *motions,
+                                      const hc_emitters *emitters);
 
 /* What bounds the steps of a scene. Local. */
 hc_step_settings hc_step_settings_of(const hc_scene *scene);

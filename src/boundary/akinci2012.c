@@ -10,9 +10,9 @@
  * Contact. A single layer weighs as much as one layer of fluid, so pressure stops a particle only where its
  * density reaches the rest density: a drop of few particles passes through the layer, whose gradient vanishes
  * in the middle. Not in the paper: the part of the velocity along the gradient B of the wall density D_b is
- * cut so that D_b + dt v . B stays within the value on the wetted surface of a flat wall; a particle already
- * beyond keeps no approaching velocity, but is not thrown out. Fluid at rest stays a spacing away and never
- * notices. */
+ * cut so that D_b + dt (v . B - sum V_b v_b . grad W), which follows moving walls, stays within the value on
+ * the wetted surface of a flat wall; a particle already beyond keeps no approaching velocity, but is not
+ * thrown out. Fluid at rest stays a spacing away and never notices. */
 #include "boundary.h"
 
 #include <string.h>
@@ -30,7 +30,7 @@ static int64_t contact(hc_particles *fluid, double rest_density, double limit, d
     if (room == limit) continue; /* no wall near */
     const float *gradient = &fluid->wall_gradient[3 * (size_t)i];
     double *velocity = &fluid->velocity[3 * (size_t)i];
-    double approach = 0.0, square = 0.0;
+    double approach = -(double)fluid->wall_rate[i], square = 0.0;
     for (int axis = 0; axis < 3; axis++) {
       approach += velocity[axis] * gradient[axis];
       square += (double)gradient[axis] * gradient[axis];

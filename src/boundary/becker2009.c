@@ -30,7 +30,7 @@ static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end
       const float *normal = sweep->boundary->facing[b].v;
       const double n[3] = {normal[0], normal[1], normal[2]};
       hc_collision_shift(collision, i, sweep->reach - sqrt(square), n);
-      if (collision->respond) hc_collision_respond(collision, i, n);
+      if (collision->respond) hc_collision_respond(collision, i, n, sweep->boundary->motion[b].v);
       touched = true;
     }
     held += touched;

@@ -13,10 +13,11 @@ typedef struct hc_collision {
   const double *unit; /* metres per unit along each axis */
   float reach;        /* m, r0: nearer to a sample a particle penetrates the wall */
   double friction,
-      elasticity;      /* share of the tangential velocity that stays; of the normal one that returns */
-  double dt;           /* s */
-  hc_record *contacts; /* room for one for each own particle */
-  bool respond;        /* change velocities too: the end of the step */
+      elasticity;        /* share of the tangential velocity that stays; of the normal one that returns */
+  double dt;             /* s */
+  hc_record *contacts;   /* room for one for each own particle */
+  hc_record *velocities; /* the same for those of the walls; null where none moves */
+  bool respond;          /* change velocities too: the end of the step */
 } hc_collision;
 
 typedef struct hc_boundary_ops {
@@ -84,17 +85,23 @@ static inline void hc_collision_change(const hc_collision *collision, int32_t i,
   collision->contacts[i].v[axis] += (float)change;
 }
 
-/* The velocity of particle i after contact along the unit vector n: eq. 12, with the returning part of eq. 7.
- */
-static inline void hc_collision_respond(const hc_collision *collision, int32_t i, const double n[3]) {
+/* The velocity of particle i after contact along the unit vector n with a wall of velocity `wall`: eq. 12,
+ * with the returning part of eq. 7. */
+static inline void hc_collision_respond(const hc_collision *collision, int32_t i, const double n[3],
+                                        const float wall[3]) {
   const double *v = &collision->sweep->fluid->velocity[3 * (size_t)i];
   const float *before = collision->sweep->fluid->motion[i].v;
-  const double normal = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
-  const double approach = before[0] * n[0] + before[1] * n[1] + before[2] * n[2];
+  double relative[3], normal = 0.0, approach = 0.0;
+  for (int axis = 0; axis < 3; axis++) {
+    relative[axis] = v[axis] - (double)wall[axis];
+    normal += relative[axis] * n[axis];
+    approach += ((double)before[axis] - (double)wall[axis]) * n[axis];
+  }
   const double back = approach < 0.0 ? -collision->elasticity * approach : 0.0;
   for (int axis = 0; axis < 3; axis++)
     hc_collision_change(collision, i, axis,
-                        collision->friction * (v[axis] - normal * n[axis]) + back * n[axis] - v[axis]);
+                        collision->friction * (relative[axis] - normal * n[axis]) + back * n[axis] -
+                            relative[axis]);
 }
 
 #endif

@@ -23,6 +23,9 @@ void hc_boundary_prepare_frozen(const hc_sweeps *sweeps, const hc_sweep *sweep, 
 
 static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end) {
   collision->sweeps->contacts(collision->sweep, HC_CONTACT_WEIGHTED, collision->contacts, begin, end);
+  static const float stands[3];
+  const bool moved = collision->respond && collision->velocities;
+  if (moved) collision->sweeps->wall_velocities(collision->sweep, collision->velocities, begin, end);
   int64_t held = 0;
   for (int32_t i = begin; i < end; i++) {
     const hc_record contact = collision->contacts[i];
@@ -31,7 +34,8 @@ static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end
     double n[3];
     if (!hc_collision_direction(&contact, n)) continue;
     hc_collision_shift(collision, i, contact.scalar, n);
-    if (collision->respond) hc_collision_respond(collision, i, n);
+    if (collision->respond)
+      hc_collision_respond(collision, i, n, moved ? collision->velocities[i].v : stands);
     held++;
   }
   return held;

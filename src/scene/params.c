@@ -40,6 +40,13 @@ static const hc_choice directions[] = {{"none", 0},
                                        {NULL, 0}};
 static const hc_choice solver_methods[] = {
     {"dfsph", HC_SOLVER_DFSPH}, {"pcisph", HC_SOLVER_PCISPH}, {NULL, 0}};
+static const hc_choice motion_types[] = {{"none", HC_WALL_STANDS},
+                                         {"constant", HC_WALL_CONSTANT},
+                                         {"cosine", HC_WALL_COSINE},
+                                         {"table", HC_WALL_TABLE},
+                                         {NULL, 0}};
+static const hc_choice interpolations[] = {
+    {"linear", HC_INTERPOLATION_LINEAR}, {"smooth", HC_INTERPOLATION_SMOOTH}, {NULL, 0}};
 static const hc_choice leavings[] = {{"error", HC_LEAVING_ERROR}, {"remove", HC_LEAVING_REMOVE}, {NULL, 0}};
 static const hc_choice time_controls[] = {
     {"constant", HC_TIME_CONSTANT}, {"cfl", HC_TIME_CFL}, {"adaptive", HC_TIME_ADAPTIVE}, {NULL, 0}};
@@ -74,6 +81,9 @@ static const char *const wall_forms[] = {[HC_FORM_BOX] = "box",
                                          NULL};
 static const char *const block_forms[] = {
     [HC_FORM_BOX] = "box", [HC_FORM_CYLINDER] = "cylinder", [HC_FORM_SPHERE] = "sphere", NULL};
+static const char *const emitter_forms[] = {
+    [HC_EMITTER_DISC] = "disc", [HC_EMITTER_RECTANGLE] = "rectangle", NULL};
+enum { DISC = 1 << HC_EMITTER_DISC, RECTANGLE = 1 << HC_EMITTER_RECTANGLE };
 enum {
   BOX = 1 << HC_FORM_BOX,
   CYLINDER = 1 << HC_FORM_CYLINDER,
@@ -114,6 +124,25 @@ static const hc_param block_rows[] = {
 static const hc_param_table block_table = {TABLE(block_rows), .variants = block_forms,
                                            .variant_offset = offsetof(hc_block, form)};
 #undef HC_BLOCK_PARAMS
+#undef OWNER
+
+#define OWNER hc_scene_emitter
+#define HC_EMITTER_PARAMS
+static const hc_param emitter_rows[] = {
+#include "params.def"
+};
+static const hc_param_table emitter_table = {TABLE(emitter_rows), .variants = emitter_forms,
+                                             .variant_offset = offsetof(hc_scene_emitter, form)};
+#undef HC_EMITTER_PARAMS
+#undef OWNER
+
+#define OWNER hc_motion_point
+#define HC_MOTION_PARAMS
+static const hc_param motion_rows[] = {
+#include "params.def"
+};
+static const hc_param_table motion_table = {TABLE(motion_rows)};
+#undef HC_MOTION_PARAMS
 #undef OWNER
 
 #define OWNER hc_wall

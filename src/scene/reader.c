@@ -4,6 +4,7 @@
 #include "complaints.h"
 #include "fill.h"
 #include "given.h"
+#include "motion_file.h"
 #include "rules.h"
 #include "yaml.h"
 
@@ -166,5 +167,9 @@ hc_status hc_scene_read(hc_scene *scene, const char *path, const char *const *ov
   if (status != HC_OK) return status;
   status = hc_scene_read_text(scene, path, text, length, overrides, override_count, limits, warnings, error);
   hc_free(text);
+  if (status == HC_OK) {
+    status = hc_motion_file_read_all(scene, path, error);
+    if (status != HC_OK) hc_scene_free(scene);
+  }
   return status;
 }

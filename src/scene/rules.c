@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "fill.h"
+#include "source_rules.h"
 
 #include <float.h>
 #include <math.h>
@@ -281,6 +282,7 @@ static void check_wall(hc_scene *scene, int index, const hc_given *given, hc_com
   check_shape(given, &wall->box, &wall->rotation, &wall->cylinder, complaints);
   check_open(wall, given, complaints);
   normalize(wall, given, complaints);
+  hc_source_rules_motion(wall, given, complaints);
   if (!is_given(given, "name")) snprintf(wall->name, sizeof wall->name, "wall_%d", index);
 }
 
@@ -392,6 +394,10 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
   const hc_given_value *blocks = hc_given_value_of(given, "fluid.blocks");
   for (int k = 0; k < blocks->item_count; k++)
     if (!blocks->items[k].bad) check_block(&scene->fluid.blocks[k], &blocks->items[k], complaints);
+  const hc_given_value *emitters = hc_given_value_of(given, "fluid.emitters");
+  for (int k = 0; k < emitters->item_count; k++)
+    if (!emitters->items[k].bad)
+      hc_source_rules_emitter(&scene->fluid.emitters[k], &emitters->items[k], complaints);
   const hc_given_value *walls = hc_given_value_of(given, "boundary.walls");
   for (int k = 0; k < walls->item_count; k++)
     if (!walls->items[k].bad) check_wall(scene, k, &walls->items[k], complaints);

@@ -56,6 +56,21 @@ typedef struct hc_block {
   hc_flow flow;
 } hc_block;
 
+typedef enum hc_emitter_form { HC_EMITTER_DISC, HC_EMITTER_RECTANGLE } hc_emitter_form;
+
+/* Where fluid comes in: layers of particles, a spacing apart, at a speed along a direction. */
+typedef struct hc_scene_emitter {
+  hc_emitter_form form;
+  double position[3];    /* m: the middle of the opening */
+  double direction[3];   /* of the flow, of any length */
+  double radius;         /* disc: m */
+  double size[2];        /* rectangle: m, along its tangents, which are a plane's */
+  double speed, rate;    /* m/s; m3/s: the other is 0 */
+  double start, stop;    /* s; stop 0: never */
+  int64_t max_particles; /* 0: any number */
+  double clearance;      /* spacings */
+} hc_scene_emitter;
+
 typedef enum hc_inside { HC_INSIDE_FLUID, HC_INSIDE_SOLID } hc_inside;
 
 /* Bits of hc_wall.open: the faces of a box, along its own axes if it is turned, or the ends of a cylinder
@@ -73,6 +88,38 @@ enum {
   HC_FACES_OF_CYLINDER = 192
 };
 
+typedef enum hc_wall_motion_type {
+  HC_WALL_STANDS,
+  HC_WALL_CONSTANT,
+  HC_WALL_COSINE,
+  HC_WALL_TABLE
+} hc_wall_motion_type;
+
+typedef enum hc_interpolation { HC_INTERPOLATION_LINEAR, HC_INTERPOLATION_SMOOTH } hc_interpolation;
+
+/* A row of a table: where the wall is then, from where the scene puts it. */
+typedef struct hc_motion_point {
+  double time;     /* s since the motion's start */
+  double shift[3]; /* m */
+  double angle;    /* degrees about the motion's axis */
+} hc_motion_point;
+
+/* A prescribed motion: the wall turns about `center` and is shifted; rigid/motion.h says how. */
+typedef struct hc_wall_motion {
+  hc_wall_motion_type type;
+  double velocity[3];             /* constant: m/s */
+  double direction[3];            /* cosine: of the shift, of any length */
+  double amplitude, speed;        /* cosine: m, or largest m/s; the other is 0 */
+  double axis[3], center[3];      /* of the turn; the axis of any length */
+  double angle, angular_velocity; /* constant: rad/s; cosine: degrees, or largest rad/s */
+  double frequency, phase;        /* cosine: Hz, degrees */
+  hc_interpolation interpolation; /* table */
+  char file[256];                 /* table: CSV, beside the scene; empty once it has been read */
+  hc_motion_point *points;        /* table: times ascending */
+  int point_count;
+  double start, stop; /* s; stop 0: never */
+} hc_wall_motion;
+
 /* A wall's surface is the wetted surface: boundary samples lie half a spacing outside the fluid's side of it.
  */
 typedef struct hc_wall {
@@ -87,6 +134,7 @@ typedef struct hc_wall {
   double point[3];  /* plane: the rectangle's centre */
   double normal[3]; /* plane: into the fluid; unit length after reading */
   double size[2];   /* plane: edge lengths along its two tangents */
+  hc_wall_motion motion;
 } hc_wall;
 
 typedef enum hc_gauge_type {
@@ -187,6 +235,8 @@ typedef struct hc_scene {
     int settle_steps;   /* before the start: gravity and pressure without momentum */
     hc_block *blocks;
     int block_count;
+    hc_scene_emitter *emitters;
+    int emitter_count;
   } fluid;
 
   struct {

@@ -1,5 +1,7 @@
 #include "limits.h"
 
+#include "setup/prescribed.h"
+
 #include <math.h>
 
 static const double UPWARDS = 4.0; /* longest edges of room for splashes */
@@ -15,25 +17,60 @@ typedef struct extent {
   double low[3], high[3]; /* m */
 } extent;
 
+static const extent nothing = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+
+static void merge(const extent *extent, struct extent *to) {
+  for (int a = 0; a < 3; a++) {
+    to->low[a] = fmin(to->low[a], extent->low[a]);
+    to->high[a] = fmax(to->high[a], extent->high[a]);
+  }
+}
+
 static void widen(const hc_frame *frame, const hc_setup_source *sources, int count, extent *to) {
   for (int k = 0; k < count; k++) {
     int64_t low[3], high[3];
     if (hc_source_count(&sources[k]) == 0) continue;
     hc_sampling_bounds(&sources[k].sampling, low, high);
+    extent source;
     for (int a = 0; a < 3; a++) {
-      to->low[a] = fmin(to->low[a], hc_frame_to_metres(frame, a, low[a]));
-      to->high[a] = fmax(to->high[a], hc_frame_to_metres(frame, a, high[a]));
+      source.low[a] = hc_frame_to_metres(frame, a, low[a]);
+      source.high[a] = hc_frame_to_metres(frame, a, high[a]);
     }
+    merge(&source, to);
+  }
+}
+
+/* Where moving walls come to. */
+static void widen_by_motions(const hc_scene *scene, const hc_setup_plan *plan, extent *to) {
+  hc_prescribed_motions motions = hc_prescribed_motions_make(scene, plan);
+  for (int k = 0; k < motions.count; k++) {
+    extent wall = nothing;
+    widen(&plan->frame, &plan->boundary[motions.walls[k].wall], 1, &wall);
+    if (wall.low[0] > wall.high[0]) continue;
+    hc_prescribed_sweep(&motions.walls[k].motion, scene->end_time, wall.low, wall.high);
+    merge(&wall, to);
+  }
+  hc_prescribed_motions_free(&motions);
+}
+
+/* Where fluid comes in. */
+static void widen_by_emitters(const hc_emitters *emitters, extent *to) {
+  for (int k = 0; k < emitters->count; k++) {
+    extent opening;
+    hc_prescribed_emitter_bounds(&emitters->emitters[k], opening.low, opening.high);
+    merge(&opening, to);
   }
 }
 
 /* The limits that a scene has by itself, m. */
-static extent compute(const hc_scene *scene, const hc_setup_plan *plan) {
-  extent all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+static extent compute(const hc_scene *scene, const hc_setup_plan *plan, const hc_emitters *emitters) {
+  extent all = nothing;
   if (plan->boundary_count == 0) /* none */
     return (extent){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
   widen(&plan->frame, plan->fluid, plan->fluid_sources, &all);
   widen(&plan->frame, plan->boundary, plan->boundary_sources, &all);
+  widen_by_motions(scene, plan, &all);
+  widen_by_emitters(emitters, &all);
   double edge = 0.0;
   for (int a = 0; a < 3; a++) edge = fmax(edge, all.high[a] - all.low[a]);
   for (int a = 0; a < 3; a++) {
@@ -58,9 +95,23 @@ static hc_status check_blocks(const hc_setup_plan *plan, const hc_limits *limits
   return HC_OK;
 }
 
-hc_status hc_setup_limits(const hc_scene *scene, const hc_setup_plan *plan, hc_limits *limits,
-                          hc_error *error) {
-  const extent computed = compute(scene, plan);
+static hc_status check_emitters(const hc_frame *frame, const hc_emitters *emitters, const hc_limits *limits,
+                                int axis, hc_error *error) {
+  for (int k = 0; k < emitters->count; k++) {
+    double low[3], high[3];
+    hc_prescribed_emitter_bounds(&emitters->emitters[k], low, high);
+    if (low[axis] >= hc_limits_low(limits, frame, axis) && high[axis] <= hc_limits_high(limits, frame, axis))
+      continue;
+    return hc_error_set(error, HC_BAD_INPUT,
+                        "%s: must lie within domain.limits along %c, not with particles from %g to %g m",
+                        hc_prescribed_emitter_name(k).text, "xyz"[axis], low[axis], high[axis]);
+  }
+  return HC_OK;
+}
+
+hc_status hc_setup_limits(const hc_scene *scene, const hc_setup_plan *plan, const hc_emitters *emitters,
+                          hc_limits *limits, hc_error *error) {
+  const extent computed = compute(scene, plan, emitters);
   for (int axis = 0; axis < 3; axis++) {
     const double low = scene->domain.limits_min[axis], high = scene->domain.limits_max[axis];
     const bool given = high > low;
@@ -69,7 +120,8 @@ hc_status hc_setup_limits(const hc_scene *scene, const hc_setup_plan *plan, hc_l
     if (scene->domain.periodic[axis]) {
       limits->low[axis] = INT64_MIN;
       limits->high[axis] = INT64_MAX;
-    } else if (given && check_blocks(plan, limits, axis, error) != HC_OK) {
+    } else if (given && (check_blocks(plan, limits, axis, error) != HC_OK ||
+                         check_emitters(&plan->frame, emitters, limits, axis, error) != HC_OK)) {
       return error->status;
     }
   }

@@ -3,6 +3,7 @@
 #define HC_LIMITS_H
 
 #include "setup/populate.h"
+#include "sources/emitters.h"
 
 /* What lies in [low, high] along all axes is within. */
 typedef struct hc_limits {
@@ -10,11 +11,12 @@ typedef struct hc_limits {
 } hc_limits;
 
 /* The scene's domain.limits where it gives them. Elsewhere the smallest box around all particles at the
- * start, widened by its longest edge on every side, by four of them against gravity; no limits where there
- * are no walls, for nothing holds the fluid there. Periodic axes have none. `plan` is that of the same scene.
- * HC_BAD_INPUT: a block of fluid that reaches beyond the limits. Local. */
-hc_status hc_setup_limits(const hc_scene *scene, const hc_setup_plan *plan, hc_limits *limits,
-                          hc_error *error);
+ * start, all places that walls come to and emitters, widened by its longest edge on every side, by four of
+ * them against gravity; no limits where there are no walls, for nothing holds the fluid there. Periodic axes
+ * have none. `plan` and `emitters` are those of the same scene. HC_BAD_INPUT: a block of fluid or an emitter
+ * that reaches beyond the limits. Local. */
+hc_status hc_setup_limits(const hc_scene *scene, const hc_setup_plan *plan, const hc_emitters *emitters,
+                          hc_limits *limits, hc_error *error);
 
 /* One of them, as the position of a particle, m; infinite where there is none. Local. */
 double hc_limits_low(const hc_limits *limits, const hc_frame *frame, int axis);

@@ -21,6 +21,7 @@ static hc_status plan_sources(const hc_scene *scene, hc_setup_plan *plan, hc_err
     const hc_status status =
         hc_source_wall(&plan->frame, &scene->boundary.walls[number], number, layers, source, error);
     if (status) return status;
+    if (scene->boundary.walls[number].motion.type != HC_WALL_STANDS) source->moves = number + 1;
   }
   hc_union_drop(&plan->frame, plan->boundary, plan->boundary_sources);
   for (int number = 0; number < plan->boundary_sources; number++) {
@@ -86,6 +87,7 @@ static void place(const hc_setup_plan *plan, const hc_setup_source *source, int6
   for (int a = 0; a < 3; a++) {
     const int64_t shift = source->kind == HC_ID_FLUID ? random_shift(id, a, plan->disorder[a]) : 0;
     particles->position[3 * index + a] = hc_frame_wrap(&plan->frame, a, point[a] + shift);
+    if (source->kind == HC_ID_BOUNDARY) particles->reference[3 * index + a] = point[a];
   }
   if (source->kind != HC_ID_BOUNDARY) return;
   double x[3], normal[3];

@@ -1,6 +1,7 @@
 #include "review.h"
 
 #include "base/memory.h"
+#include "setup/prescribed.h"
 #include "setup/source.h"
 #include "setup/trace.h"
 #include "setup/world_frame.h"
@@ -324,16 +325,72 @@ static void review_gauges(const review *r) {
   for (int k = 0; k < r->scene->output.gauge_count; k++) review_gauge(r, k, &all);
 }
 
+/* --- Emitters --- */
+
+/* A sample of an emitter that comes in where a wall's samples are. */
+static bool review_opening(const review *r, int number, const hc_emitter *emitter,
+                           const hc_setup_source *wall) {
+  for (int64_t k = 0; k < emitter->sample_count; k++) {
+    double x[3];
+    hc_emitter_point(emitter, k, 0.0, x);
+    if (hc_source_layer_distance(&r->frame, wall, x) >= 0.5 * r->spacing) continue;
+    hc_findings_warning(
+        r->findings, path_of("fluid.emitters", number, "").text,
+        "%s comes within half a spacing of %s: a particle would start at (%.6g, %.6g, %.6g) m",
+        hc_prescribed_emitter_name(number).text,
+        hc_source_wall_name(&r->scene->boundary.walls[wall->number], (int)wall->number).text, x[0], x[1],
+        x[2]);
+    return true;
+  }
+  return false;
+}
+
+/* A sample of an emitter that comes in where a block of fluid is. */
+static bool review_flood(const review *r, int number, const hc_emitter *emitter,
+                         const hc_setup_source *block) {
+  for (int64_t k = 0; k < emitter->sample_count; k++) {
+    double x[3];
+    hc_emitter_point(emitter, k, 0.0, x);
+    if (distance(r, hc_shape_distance, &block->shape, x) >= 0.0) continue;
+    hc_findings_warning(
+        r->findings, path_of("fluid.emitters", number, "").text,
+        "%s opens within %s, at (%.6g, %.6g, %.6g) m: what finds fluid in its place is left out",
+        hc_prescribed_emitter_name(number).text, hc_source_block_name((int)block->number).text, x[0], x[1],
+        x[2]);
+    return true;
+  }
+  return false;
+}
+
+static void review_emitter(const review *r, int number, const hc_emitter *emitter) {
+  for (int w = 0; w < r->wall_count; w++)
+    if (review_opening(r, number, emitter, &r->walls[w])) break;
+  for (int b = 0; b < r->block_count && emitter->start == 0.0; b++)
+    if (review_flood(r, number, emitter, &r->blocks[b])) break;
+}
+
+static void review_emitters(const review *r) {
+  hc_emitters emitters;
+  hc_error error;
+  if (hc_prescribed_emitters_make(r->scene, &r->frame, &emitters, &error) != HC_OK)
+    hc_findings_error(r->findings, "fluid.emitters", "%s", error.text);
+  else
+    for (int k = 0; k < emitters.count; k++) review_emitter(r, k, &emitters.emitters[k]);
+  hc_emitters_free(&emitters);
+}
+
 void hc_setup_review(const hc_scene *scene, hc_findings *findings) {
-  if (scene->fluid.block_count == 0)
+  if (scene->fluid.block_count == 0 && scene->fluid.emitter_count == 0)
     hc_findings_error(findings, "fluid.blocks",
-                      "fluid.blocks must have at least one block: there is no fluid");
+                      "fluid.blocks must have at least one block, or fluid.emitters an emitter: there is no "
+                      "fluid");
   review r = {.scene = scene, .findings = findings};
   if (!review_frame(&r)) return;
   r.spacing = hc_trace_spacing(&r.frame);
   r.blocks = hc_alloc((size_t)scene->fluid.block_count, sizeof *r.blocks);
   r.walls = hc_alloc((size_t)scene->boundary.wall_count, sizeof *r.walls);
   make_sources(&r);
+  review_emitters(&r);
   const bool all_walls = r.wall_count == scene->boundary.wall_count;
   for (int b = 0; b < r.block_count; b++) {
     review_size(&r, &r.blocks[b]);

@@ -21,6 +21,7 @@ typedef struct hc_setup_source {
   hc_shape layer[2];  /* walls: the surfaces on which the samples lie */
   int layers;         /* walls: how many of them */
   bool solid;         /* walls: an obstacle */
+  int64_t moves;      /* walls that move: number + 1; 0: it stands */
 } hc_setup_source;
 
 /* What messages call a source: fluid.blocks[2], boundary.walls[1] "tank". */

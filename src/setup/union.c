@@ -145,7 +145,8 @@ void hc_union_drop(const hc_frame *frame, hc_setup_source *walls, int count) {
     c.earlier_count = 0;
     c.near_count = 0;
     for (int e = 0; e < w; e++)
-      if (may_meet(&c, &walls[e])) c.earlier[c.earlier_count++] = &walls[e];
+      if (walls[e].moves == c.wall->moves && may_meet(&c, &walls[e]))
+        c.earlier[c.earlier_count++] = &walls[e];
     for (int e = 0; e < c.earlier_count; e++) {
       c.from = c.earlier[e];
       hc_trace_run(frame, &c.from->sampling, &(hc_trace){&c, clearance_of_wall, collect});

@@ -3,6 +3,7 @@
  *
  * Method: walls in the scene's order; a sample goes if a sample of an earlier wall that was kept lies closer
  * than half a spacing. What went thus has a neighbour at its place, so surfaces stay as closed as they were.
+ * Walls that move keep all of theirs, and take none: what they leave must not have a hole.
  * Samples inside another wall's solid stay: they do no harm. Only samples near the surface of another wall
  * are looked at one by one (trace.h), and only those of earlier walls are stored, one wall's at a time.
  *

@@ -110,6 +110,19 @@ static void start(pcisph *step) {
   for (int32_t b = 0; b < boundary->own + boundary->ghosts; b++) boundary->place[b].scalar = 0.0f;
 }
 
+/* Walls that move are met where they will be. */
+static void predict_walls(const pcisph *step) {
+  hc_world *world = step->world;
+  hc_particles *boundary = &world->boundary;
+  if (!world->sweep.walls_move) return;
+  for (int32_t b = 0; b < boundary->own + boundary->ghosts; b++)
+    for (int axis = 0; axis < 3; axis++)
+      boundary->place[b].x[axis] = (int32_t)((uint32_t)boundary->place[b].x[axis] +
+                                             (uint32_t)(int32_t)llrint((double)boundary->motion[b].v[axis] *
+                                                                       step->dt / world->frame.unit[axis]));
+  world->walls_moved = true; /* the next update puts them right */
+}
+
 /* Inverse densities for the forces that read them. */
 static void find_densities(const pcisph *step) {
   hc_world *world = step->world;
@@ -181,9 +194,10 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
                                .friction = settings->friction,
                                .elasticity = settings->elasticity,
                                .dt = dt}};
-  hc_reserve((void **)&world->contacts, &world->contact_room, (size_t)world->fluid.own, 0,
+  hc_reserve((void **)&world->contacts, &world->contact_room, 2 * (size_t)world->fluid.own, 0,
              sizeof *world->contacts);
   step.collision.contacts = world->contacts;
+  step.collision.velocities = world->sweep.walls_move ? world->contacts + world->fluid.own : NULL;
   world->sweep.contacts = world->boundary_ops->collide ? world->contacts : NULL;
 
   /* forces but pressure; v takes them in at once */
@@ -191,6 +205,7 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
   find_densities(&step);
   start(&step);
   const float *change = hc_find_forces(world, settings, dt);
+  predict_walls(&step);
   for (size_t k = 0; k < 3 * (size_t)world->fluid.own; k++)
     world->fluid.velocity[k] += (double)change[k] + dt * settings->gravity[k % 3];
 

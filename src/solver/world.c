@@ -40,6 +40,7 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
 }
 
 void hc_world_free(hc_world *world) {
+  hc_moving_walls_free(&world->moving);
   hc_halo_free(&world->halo);
   hc_halo_free(&world->boundary_halo);
   hc_neighbors_free(&world->list);
@@ -83,20 +84,40 @@ static void face(hc_particles *boundary) {
   }
 }
 
-/* Boundary particles stand still: cells, ghosts, numbers and volumes hold until the next rebalance. */
+/* Gives boundary particles that have come to new places their cells, ghosts and numbers, and what sweeps read
+ * of them: volumes, which are state, normals and velocities. */
 static void place_boundary(hc_world *world) {
-  hc_domain_migrate(&world->domain, &world->boundary);
-  sort_and_halo(world, &world->boundary, &world->boundary_cells, &world->boundary_halo);
+  hc_particles *boundary = &world->boundary;
+  hc_stopwatch_enter(&world->watch, HC_STAGE_MIGRATE);
+  hc_domain_migrate(&world->domain, boundary);
+  sort_and_halo(world, boundary, &world->boundary_cells, &world->boundary_halo);
   number_walls(world);
-  face(&world->boundary);
+  face(boundary);
+  for (int32_t k = 0; k < boundary->own; k++) boundary->place[k].scalar = boundary->volume[k];
+  hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
+  hc_moving_walls_drive(&world->moving, &world->frame, boundary);
+  hc_halo_refresh(&world->boundary_halo, HC_HALO_MOTION);
+  hc_halo_refresh(&world->boundary_halo, HC_HALO_FACING);
+  world->walls_moved = false;
+}
+
+/* Boundary volumes, from the cells and ghosts as they are. */
+static void measure_boundary(hc_world *world) {
   hc_neighbors list;
   hc_neighbors_init(&list);
   hc_neighbors_build(&list, &world->search, &world->boundary_cells, &world->boundary, &world->boundary_cells,
                      &world->boundary);
+  hc_moving_walls_part(&world->moving, &world->boundary, &list);
   world->boundary_ops->prepare(world->sweeps, &world->sweep, &world->boundary, &list, world->volume_factor);
   hc_neighbors_free(&list);
   hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
-  hc_halo_refresh(&world->boundary_halo, HC_HALO_FACING);
+}
+
+void hc_world_pose_walls(hc_world *world, double time, double ahead, bool held) {
+  if (!hc_moving_walls_pose(&world->moving, world->comm, time, ahead, held)) return;
+  hc_moving_walls_place(&world->moving, &world->frame, &world->boundary);
+  world->sweep.walls_move = world->moving.moving;
+  world->walls_moved = true;
 }
 
 void hc_world_rebalance(hc_world *world, hc_divider divider, double busy) {
@@ -120,6 +141,13 @@ void hc_world_distribute(hc_world *world, hc_divider divider) {
   hc_world_rebalance(world, divider, 0.0);
 }
 
+void hc_world_start(hc_world *world, hc_divider divider) {
+  memcpy(world->boundary.reference_normal, world->boundary.normal,
+         3 * (size_t)world->boundary.own * sizeof *world->boundary.normal);
+  hc_world_distribute(world, divider);
+  measure_boundary(world);
+}
+
 static void refresh_motion(hc_particles *fluid) {
   for (int32_t k = 0; k < fluid->own; k++) {
     for (int axis = 0; axis < 3; axis++)
@@ -129,6 +157,7 @@ static void refresh_motion(hc_particles *fluid) {
 }
 
 void hc_world_update(hc_world *world) {
+  if (world->walls_moved) place_boundary(world);
   hc_stopwatch_enter(&world->watch, HC_STAGE_MIGRATE);
   hc_domain_migrate(&world->domain, &world->fluid);
   sort_and_halo(world, &world->fluid, &world->cells, &world->halo);

@@ -6,6 +6,7 @@
 #include "base/stopwatch.h"
 #include "boundary/boundary.h"
 #include "domain/halo.h"
+#include "moving_walls.h"
 
 typedef struct hc_world {
   hc_comm *comm;
@@ -17,8 +18,10 @@ typedef struct hc_world {
   hc_neighbor_search search;
   hc_neighbors list, walls; /* fluid -> fluid, fluid -> boundary */
   hc_neighbors wetted;      /* boundary -> fluid, where walls have a pressure of their own */
-  hc_record *contacts;      /* see hc_collision; room for contact_room */
+  hc_record *contacts;      /* see hc_collision; room for contact_room, and as many velocities of walls */
   size_t contact_room;
+  hc_moving_walls moving;
+  bool walls_moved; /* boundary particles have other positions or velocities than their cells and ghosts */
   const hc_sweeps *sweeps;
   hc_sweep sweep;
   const hc_boundary_ops *boundary_ops;
@@ -43,15 +46,24 @@ typedef struct hc_world_settings {
 void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *settings);
 void hc_world_free(hc_world *world);
 
-/* First decomposition, totals, boundary volumes. Afterwards particles are with their owners; call
+/* First decomposition and totals, of a start or a restart. Afterwards particles are with their owners; call
  * hc_world_update. Collective. */
 void hc_world_distribute(hc_world *world, hc_divider divider);
+
+/* Start of a run: what boundary particles keep from then on, the reference of their normals and, from where
+ * they are at time 0, their volumes. Then as hc_world_distribute. Collective. */
+void hc_world_start(hc_world *world, hc_divider divider);
+
+/* Puts moving walls where they are at a time, s (hc_moving_walls_pose); the next hc_world_update brings all
+ * else in line. Cells, ghosts and lists stay those of before. Does nothing if they are there already, or
+ * nothing ever moves. Collective. */
+void hc_world_pose_walls(hc_world *world, double time, double ahead, bool held);
 
 /* A new decomposition: divides, moves all particles, boundary lists; `busy` as in hc_work. Call
  * hc_world_update afterwards. Collective. */
 void hc_world_rebalance(hc_world *world, hc_divider divider, double busy);
 
-/* After fluid particles have moved: migrate, sort, ghosts, neighbour lists. Collective.
+/* After fluid particles or walls have moved: migrate, sort, ghosts, neighbour lists. Collective.
  * Afterwards place and velocity of own and ghost particles are current; 1/density is not known yet. */
 void hc_world_update(hc_world *world);
 

@@ -36,12 +36,13 @@ HC_INLINE void pair_artificial(vector_sums *sum, int part, const viscous_self *o
   add_scaled(sum, part, volume * approach * slope_over_q(p->q) / (p->q2 + hc_set(GUARD)), &d);
 }
 
-/* The velocity of a particle relative to a wall's sample behind the wetted surface. */
-HC_INLINE vector relative_to_wall(const hc_sweep *sweep, const viscous_self *own, const pair *p) {
+/* From the velocity relative to the wall to that relative to its sample behind the wetted surface. */
+HC_INLINE vector relative_to_surface(const hc_sweep *sweep, const viscous_self *own, const pair *p,
+                                     const vector *relative) {
   const hc_float behind = hc_set(sweep->wall_offset), distance = dot_pair(&own->normal, p);
   const hc_float before = hc_max(hc_max(distance, hc_set(0.0f) - distance) - behind, behind);
   const hc_float factor = hc_set(1.0f) + behind / before;
-  return (vector){factor * own->velocity.x, factor * own->velocity.y, factor * own->velocity.z};
+  return (vector){factor * relative->x, factor * relative->y, factor * relative->z};
 }
 
 HC_INLINE vector wall_normal(const float gradient[3]) {
@@ -58,8 +59,8 @@ HC_INLINE void pair_cohesion(vector_sums *sum, int part, const viscous_self *own
   add_scaled(sum, part, volume * kernel(p->q), &d);
 }
 
-/* How walls take part: not at all, as particles at rest, or holding the fluid at the wetted surface. */
-typedef enum wall_part { NO_WALLS, WALLS_AT_REST, NO_SLIP } wall_part;
+/* How walls take part: not at all, as particles, or holding the fluid at the wetted surface. */
+typedef enum wall_part { NO_WALLS, AS_PARTICLES, NO_SLIP } wall_part;
 
 HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls_are, float weight,
                        float *change, int32_t begin, int32_t end) {
@@ -91,7 +92,13 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
         for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < walls.entries; part++) {
           const int32_t at = pass + part * HC_GROUP;
           const pair p = load_pair(&own, sweep->boundary->place, walls.offset + at);
-          const vector relative = walls_are == NO_SLIP ? relative_to_wall(sweep, &state, &p) : state.velocity;
+          vector relative = state.velocity;
+          if (sweep->walls_move) {
+            hc_float unused;
+            const vector other = load_velocity(sweep->boundary->motion, walls.offset + at, &unused);
+            relative = relative_velocity(&state.velocity, &other);
+          }
+          if (walls_are == NO_SLIP) relative = relative_to_surface(sweep, &state, &p, &relative);
           add(&sum, part, &state, &p, &relative, hc_keep(p.scalar, walls.count - at), hc_set(1.0f));
         }
       }
@@ -118,7 +125,7 @@ void HC_ISA_SYMBOL(hc_laminar)(const hc_sweep *sweep, float weight, float *chang
 
 void HC_ISA_SYMBOL(hc_artificial)(const hc_sweep *sweep, float weight, float *change, int32_t begin,
                                   int32_t end) {
-  viscous(sweep, pair_artificial, WALLS_AT_REST, weight * sweep->gradient / sweep->support, change, begin,
+  viscous(sweep, pair_artificial, AS_PARTICLES, weight * sweep->gradient / sweep->support, change, begin,
           end);
 }
 

@@ -202,5 +202,7 @@ void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *predicti
                             int32_t end);
 void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts,
                                 int32_t begin, int32_t end);
+void HC_ISA_SYMBOL(hc_wall_velocities)(const hc_sweep *sweep, hc_record *velocities, int32_t begin,
+                                       int32_t end);
 
 #endif

@@ -310,3 +310,40 @@ void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_
     }
   }
 }
+
+void HC_ISA_SYMBOL(hc_wall_velocities)(const hc_sweep *sweep, hc_record *velocities, int32_t begin,
+                                       int32_t end) {
+  const hc_float one = hc_set(1.0f), zero = hc_set(0.0f), rate = hc_set(sweep->support / sweep->reach);
+  block_sums weights;
+  block_vectors sums_of_velocities;
+  for (int32_t first = begin; first < end; first += BLOCK) {
+    const int32_t count = block_size(first, end);
+    for (int32_t k = 0; k < count; k++) {
+      const self own = make_self(sweep, &sweep->fluid->place[first + k]);
+      const row row = row_of(sweep->walls, first + k);
+      sums weight = {{{0}}};
+      vector_sums sum = no_sums();
+      for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+        for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+          const int32_t at = pass + part * HC_GROUP;
+          const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
+          hc_float unused;
+          const vector velocity = load_velocity(sweep->boundary->motion, row.offset + at, &unused);
+          const hc_float w = hc_keep(hc_max(one - rate * p.q, zero), row.count - at);
+          weight.part[part] += w;
+          add_scaled(&sum, part, w, &velocity);
+        }
+      }
+      hc_store_lanes(weight.part, weights.lanes[k]);
+      store_vector(&sums_of_velocities, k, &sum);
+    }
+    add_up(&weights, count);
+    add_up_vectors(&sums_of_velocities, count);
+    for (int32_t k = 0; k < count; k++) {
+      const float scale = weights.total[k] > 0.0f ? 1.0f / weights.total[k] : 0.0f;
+      velocities[first + k] =
+          (hc_record){.v = {scale * sums_of_velocities.x.total[k], scale * sums_of_velocities.y.total[k],
+                            scale * sums_of_velocities.z.total[k]}};
+    }
+  }
+}

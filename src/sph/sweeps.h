@@ -35,10 +35,12 @@ typedef struct hc_sweep {
   float reach;        /* m: nearer to a sample a particle is in contact, where walls are rigid */
   hc_wall_rule walls_add;
   hc_particles *fluid;
-  hc_particles *boundary;     /* place.scalar is V_b, or what the boundary method makes of it */
+  hc_particles
+      *boundary; /* place.scalar is V_b, or what the boundary method makes of it; motion the velocity */
   const hc_neighbors *list;   /* fluid -> fluid */
   const hc_neighbors *walls;  /* fluid -> boundary */
   const hc_neighbors *wetted; /* boundary -> fluid; empty where walls have no pressure of their own */
+  bool walls_move;            /* has any boundary particle a velocity? */
   const hc_record *contacts;  /* v: change of velocity by contact in the last step, m/s; null where walls are
                                  not  rigid */
 } hc_sweep;
@@ -81,17 +83,18 @@ typedef enum hc_contact_rule {
  * have volumes (MIRRORED). */
 typedef struct hc_sweeps {
   /* What follows from positions and velocities alone: density = rho0 (V sum W + sum_b V_b W), motion.scalar =
-   * 1/D, wall_density = sum_b V_b W and its gradient wall_gradient B, alpha = 1/(|V sum grad W + B|^2 + V^2
-   * sum |grad W|^2), 0 where the denominator vanishes; and place.scalar = dD/dt, as the error sweep has it.
-   * Akinci et al. 2012; Bender and Koschier 2015, eq. 9; the squared sum runs over fluid neighbours only. */
+   * 1/D, wall_density = sum_b V_b W and its gradient wall_gradient B, wall_rate = sum_b V_b v_b . grad W,
+   * alpha = 1/(|V sum grad W + B|^2 + V^2 sum |grad W|^2), 0 where the denominator vanishes; and place.scalar
+   * = dD/dt, as the error sweep has it. Akinci et al. 2012; Bender and Koschier 2015, eq. 9; the squared sum
+   * runs over fluid neighbours only. */
   void (*density)(const hc_sweep *sweep, int32_t begin, int32_t end);
 
-  /* wall_density and wall_gradient alone. */
+  /* wall_density, wall_gradient and wall_rate alone. */
   void (*wall_sums)(const hc_sweep *sweep, int32_t begin, int32_t end);
 
-  /* dD/dt = V sum (v_i - v_j) . grad W + v_i . B, then by the rule the error e_i, clamped at 0 from below
-   * unless signed, and place.scalar = relaxation alpha_i e_i. Adds |e_i| to the total. Carensac et al. 2023,
-   * eq. 2 and algorithms 3, 4. */
+  /* dD/dt = V sum (v_i - v_j) . grad W + v_i . B - wall_rate, then by the rule the error e_i, clamped at 0
+   * from below unless signed, and place.scalar = relaxation alpha_i e_i. Adds |e_i| to the total. Carensac et
+   * al. 2023, eq. 2 and algorithms 3, 4. */
   void (*error)(const hc_sweep *sweep, const hc_error_rule *rule, int32_t begin, int32_t end,
                 hc_error_total *total);
 
@@ -105,8 +108,8 @@ typedef struct hc_sweeps {
 
   /* change_i = weight sum V 2 (v_i - v_j) (x_ij . grad W)/(r^2 + 0.01 (h/2)^2), boundary neighbours with V_b
    * included: laminar viscosity (Morris et al. 1997) at rest density; weight = nu dt. Behind the wetted
-   * surface the velocity goes on as it falls to zero there: v_i - v_b = v_i (1 + d_b/d_i) with the distances
-   * from the surface along B, at most 2 v_i. */
+   * surface the velocity goes on as it comes to the wall's there: v_i - v_b = (v_i - v_wall) (1 + d_b/d_i)
+   * with the distances from the surface along B, at most twice. */
   void (*laminar)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
 
   /* change_i = weight sum V min(0, v_ij . x_ij)/(r^2 + 0.01 (h/2)^2) grad W, boundary likewise: artificial
@@ -149,6 +152,10 @@ typedef struct hc_sweeps {
    * negative. */
   void (*contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts, int32_t begin,
                    int32_t end);
+
+  /* velocities_i.v = sum w v_b / sum w with the weights of WEIGHTED: how fast the walls move that are
+   * touched; 0 without contact. */
+  void (*wall_velocities)(const hc_sweep *sweep, hc_record *velocities, int32_t begin, int32_t end);
 } hc_sweeps;
 
 /* The sweeps compiled for an instruction set. */

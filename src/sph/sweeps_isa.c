@@ -3,11 +3,34 @@
 #include "error_rule.h"
 #include "pairs.h"
 
+/* Sums over boundary neighbours of a block: V_b v_b . grad W without its constant. */
+HC_INLINE void sum_wall_rates(const hc_sweep *sweep, int32_t first, int32_t count, block_sums *rates) {
+  memset(rates->total, 0, sizeof rates->total);
+  if (!sweep->walls_move || sweep->walls->start[first] == sweep->walls->start[first + count]) return;
+  for (int32_t k = 0; k < count; k++) {
+    const self own = make_self(sweep, &sweep->fluid->place[first + k]);
+    const row row = row_of(sweep->walls, first + k);
+    sums rate = {{{0}}};
+    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+        const int32_t at = pass + part * HC_GROUP;
+        const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
+        hc_float unused;
+        const vector velocity = load_velocity(sweep->boundary->motion, row.offset + at, &unused);
+        const hc_float volume = hc_keep(p.scalar, row.count - at);
+        rate.part[part] = hc_fma(volume * slope_over_q(p.q), dot_pair(&velocity, &p), rate.part[part]);
+      }
+    }
+    hc_store_lanes(rate.part, rates->lanes[k]);
+  }
+  add_up(rates, count);
+}
+
 static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
   hc_particles *fluid = sweep->fluid;
   const float smallest = 1e-5f / (sweep->support * sweep->support);
   const float weight = sweep->volume * sweep->gradient;
-  block_sums densities, squares, rates, wall_densities;
+  block_sums densities, squares, rates, wall_densities, wall_rates;
   block_vectors gradients, wall_gradients;
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
@@ -37,6 +60,7 @@ static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
       store_vector(&gradients, k, &gradient);
     }
     sum_walls(sweep, first, count, &wall_densities, &wall_gradients);
+    sum_wall_rates(sweep, first, count, &wall_rates);
     add_up(&densities, count);
     add_up(&squares, count);
     add_up(&rates, count);
@@ -52,7 +76,9 @@ static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
                   z = weight * gradients.z.total[k] + wall[2];
       const float denominator = x * x + y * y + z * z + weight * weight * squares.total[k];
       const float *v = fluid->motion[i].v;
-      fluid->place[i].scalar = weight * rates.total[k] + (v[0] * wall[0] + v[1] * wall[1] + v[2] * wall[2]);
+      fluid->wall_rate[i] = sweep->gradient * wall_rates.total[k];
+      fluid->place[i].scalar =
+          weight * rates.total[k] + (v[0] * wall[0] + v[1] * wall[1] + v[2] * wall[2] - fluid->wall_rate[i]);
       memcpy(&fluid->wall_gradient[3 * (size_t)i], wall, sizeof wall);
       fluid->wall_density[i] = of_walls;
       fluid->density[i] = sweep->rest_density * relative;
@@ -63,17 +89,19 @@ static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
 }
 
 static void wall_sums(const hc_sweep *sweep, int32_t begin, int32_t end) {
-  block_sums densities;
+  block_sums densities, rates;
   block_vectors gradients;
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
     sum_walls(sweep, first, count, &densities, &gradients);
+    sum_wall_rates(sweep, first, count, &rates);
     for (int32_t k = 0; k < count; k++) {
       float *gradient = &sweep->fluid->wall_gradient[3 * (size_t)(first + k)];
       gradient[0] = sweep->gradient * gradients.x.total[k];
       gradient[1] = sweep->gradient * gradients.y.total[k];
       gradient[2] = sweep->gradient * gradients.z.total[k];
       sweep->fluid->wall_density[first + k] = sweep->kernel * densities.total[k];
+      sweep->fluid->wall_rate[first + k] = sweep->gradient * rates.total[k];
     }
   }
 }
@@ -109,7 +137,8 @@ static void error(const hc_sweep *sweep, const hc_error_rule *rule, int32_t begi
     add_up(&rates, count);
     for (int32_t k = 0; k < count; k++) {
       const float *wall = &fluid->wall_gradient[3 * (size_t)(first + k)], *v = fluid->motion[first + k].v;
-      const float wall_rate = v[0] * wall[0] + v[1] * wall[1] + v[2] * wall[2];
+      const float of_walls = sweep->walls_move ? fluid->wall_rate[first + k] : 0.0f;
+      const float wall_rate = v[0] * wall[0] + v[1] * wall[1] + v[2] * wall[2] - of_walls;
       hc_error_apply(sweep, rule, per_density, first + k, weight * rates.total[k] + wall_rate, total);
     }
   }
@@ -193,6 +222,7 @@ const hc_sweeps *HC_ISA_SYMBOL(hc_sweeps)(void) {
                                    .corrected_density = HC_ISA_SYMBOL(hc_corrected_density),
                                    .boundary_density = HC_ISA_SYMBOL(hc_boundary_density),
                                    .push = HC_ISA_SYMBOL(hc_push),
-                                   .contacts = HC_ISA_SYMBOL(hc_contacts)};
+                                   .contacts = HC_ISA_SYMBOL(hc_contacts),
+                                   .wall_velocities = HC_ISA_SYMBOL(hc_wall_velocities)};
   return &sweeps;
 }

@@ -91,6 +91,10 @@ static void settle(setting *s) {
 static double velocity_of(uint64_t id, int axis) {
   return 0.7 * random_number(5 * id + (uint64_t)axis);
 }
+/* Read only where walls move. */
+static inline double wall_velocity_of(uint64_t id, int axis) {
+  return 0.5 * random_number(17 * id + (uint64_t)axis + 999);
+}
 static float kappa_of(uint64_t id) {
   return (float)(1e-6 * random_number(11 * id + 3));
 }
@@ -110,8 +114,11 @@ static void set_values(setting *s) {
     s->fluid.place[k].scalar = kappa_of(id);
     s->fluid.pressure_multiplier[k] = 0.25f * kappa_of(id + 1);
   }
-  for (int32_t k = 0; k < s->boundary.own; k++)
-    s->boundary.volume[k] = s->boundary.place[k].scalar = boundary_volume_of(s->boundary.id[k]);
+  for (int32_t k = 0; k < s->boundary.own; k++) {
+    const uint64_t id = s->boundary.id[k];
+    s->boundary.volume[k] = s->boundary.place[k].scalar = boundary_volume_of(id);
+    for (int axis = 0; axis < 3; axis++) s->boundary.motion[k].v[axis] = (float)wall_velocity_of(id, axis);
+  }
 }
 
 /* A cloud at about the rest density, a few particles alone and far away, and walls through the cloud. */

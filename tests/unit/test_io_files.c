@@ -114,7 +114,8 @@ START_TEST(tables_hold_their_rows) {
   }
   const char *const steps =
       "step,time,dt,iterations_density,iterations_divergence,density_error_avg,density_error_max,v_max,a_max,"
-      "kinetic_energy,potential_energy,fluid_particles,active_fraction,active_boundary_fraction,event,force_max\n"
+      "kinetic_energy,potential_energy,fluid_particles,active_fraction,active_boundary_fraction,event,force_"
+      "max\n"
       "1,0.1,0.001,3,4,0.0001,0,2.5,0,0,0,1000,1,0.25,,9.5\n"
       "2,0.2,0.001,3,4,0.0001,0,2.5,0,0,0,1000,1,0.25,rollback+cap,9.5\n";
   ck_assert_str_eq(content("steps.csv"), steps); /* before the close: every row is in the file */

@@ -235,6 +235,32 @@ START_TEST(contacts) {
 }
 END_TEST
 
+START_TEST(velocities_of_walls) {
+  setting s;
+  make_setting(&s);
+  static hc_record found[FLUID];
+  prediction_of(&s, HC_WALLS_PRESSURE, false);
+  for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+    reset(&s, HC_WALLS_PRESSURE);
+    hc_sweeps_of((hc_isa)isa)->wall_velocities(&s.sweep, found, 0, FLUID);
+    for (int32_t i = 0; i < FLUID; i++) {
+      double weight = 0;
+      vec sum = {{0, 0, 0}};
+      for (int32_t b = 0; b < WALL; b++) {
+        const double w = fmax(0, 1 - norm(separation(&s, &s.fluid, i, &s.boundary, b)) / REACH);
+        const uint64_t id = s.boundary.id[b];
+        add(&sum, w, (vec){{wall_velocity_of(id, 0), wall_velocity_of(id, 1), wall_velocity_of(id, 2)}});
+        weight += w;
+      }
+      if (weight > 0 && weight < 1e-3) continue; /* on the edge */
+      for (int axis = 0; axis < 3; axis++)
+        ck_assert(fabs(found[i].v[axis] - (weight > 0 ? sum.x[axis] / weight : 0)) <= 1e-3);
+    }
+  }
+  setting_free(&s);
+}
+END_TEST
+
 #if defined(__x86_64__)
 START_TEST(vector_lengths_give_the_same_bits) {
   if (hc_isa_best() < HC_ISA_AVX512) return;
@@ -286,6 +312,7 @@ int main(void) {
   tcase_add_test(cases, densities_of_walls);
   tcase_add_test(cases, pushes);
   tcase_add_test(cases, contacts);
+  tcase_add_test(cases, velocities_of_walls);
 #if defined(__x86_64__)
   tcase_add_test(cases, vector_lengths_give_the_same_bits);
 #endif

@@ -77,7 +77,19 @@ static void expect_same(const hc_scene *a, const hc_scene *b) {
   const size_t block_bytes = (size_t)a->fluid.block_count * sizeof *a->fluid.blocks;
   const size_t wall_bytes = (size_t)a->boundary.wall_count * sizeof *a->boundary.walls;
   if (block_bytes) ck_assert_mem_eq(a->fluid.blocks, b->fluid.blocks, block_bytes);
-  if (wall_bytes) ck_assert_mem_eq(a->boundary.walls, b->boundary.walls, wall_bytes);
+  for (int k = 0; wall_bytes && k < a->boundary.wall_count; k++) {
+    hc_wall left, right;
+    memcpy(&left, &a->boundary.walls[k], sizeof left);
+    memcpy(&right, &b->boundary.walls[k], sizeof right);
+    const size_t point_bytes = (size_t)left.motion.point_count * sizeof *left.motion.points;
+    ck_assert_int_eq(left.motion.point_count, right.motion.point_count);
+    if (point_bytes) ck_assert_mem_eq(left.motion.points, right.motion.points, point_bytes);
+    left.motion.points = right.motion.points = NULL;
+    ck_assert_mem_eq(&left, &right, sizeof left);
+  }
+  ck_assert_int_eq(a->fluid.emitter_count, b->fluid.emitter_count);
+  const size_t emitter_bytes = (size_t)a->fluid.emitter_count * sizeof *a->fluid.emitters;
+  if (emitter_bytes) ck_assert_mem_eq(a->fluid.emitters, b->fluid.emitters, emitter_bytes);
   ck_assert_int_eq(a->output.gauge_count, b->output.gauge_count);
   const size_t gauge_bytes = (size_t)a->output.gauge_count * sizeof *a->output.gauges;
   if (gauge_bytes) ck_assert_mem_eq(a->output.gauges, b->output.gauges, gauge_bytes);
@@ -85,6 +97,7 @@ static void expect_same(const hc_scene *a, const hc_scene *b) {
   memcpy(&left, a, sizeof left);
   memcpy(&right, b, sizeof right);
   left.fluid.blocks = right.fluid.blocks = NULL;
+  left.fluid.emitters = right.fluid.emitters = NULL;
   left.boundary.walls = right.boundary.walls = NULL;
   left.output.gauges = right.output.gauges = NULL;
   ck_assert_mem_eq(&left, &right, sizeof left);
@@ -142,6 +155,10 @@ static const char full[] =
     "  - box: {min: [0, 0, 2], max: [1, 1, 3], rotation: {axis: [1, 2, 3], angle: -12.5}}\n"
     "  - cylinder: {base: [1, 2, 3], axis: [0, 3, 4], radius: 0.5, length: 2}\n"
     "  - sphere: {center: [7, 8, 9], radius: 0.25}\n"
+    "  emitters:\n"
+    "  - {disc: {position: [0, 0, 3], direction: [0, 3, -4], radius: 0.3}, speed: 1.5, start: 1}\n"
+    "  - {rectangle: {position: [1, 2, 3], direction: [1, 0, 0], size: [0.3, 0.4]}, rate: 0.01,\n"
+    "     start: 0.5, stop: 2, max_particles: 99999999999, clearance: 0.9}\n"
     "boundary:\n"
     "  volume_factor: 0.72\n"
     "  walls:\n"
@@ -152,6 +169,19 @@ static const char full[] =
     "  - {cylinder: {base: [1, 2, 3], radius: 0.5, length: 2}, open: [top], inside: solid}\n"
     "  - sphere: {center: [1, 2, 3], radius: 4}\n"
     "  - {box: {min: [0, 0, 0], max: [2, 1, 1], rotation: {angle: 90}}, open: [+x]}\n"
+    "  - {name: a, sphere: {center: [1, 2, 3], radius: 4}, motion: {type: constant, velocity: [1, 2, 3],\n"
+    "     angular_velocity: -2, axis: [1, 1, 0], center: [4, 5, 6], start: 1, stop: 2}}\n"
+    "  - {name: b, sphere: {center: [1, 2, 3], radius: 4}, motion: {type: cosine, amplitude: 0.1,\n"
+    "     direction: [0, 2, 0], angle: 10, center: [0, 0, 1], frequency: 0.7, phase: 90}}\n"
+    "  - {name: c, sphere: {center: [1, 2, 3], radius: 4}, motion: {type: cosine, speed: 0.25,\n"
+    "     direction: [0, 2, 0], frequency: 3}}\n"
+    "  - name: d\n"
+    "    sphere: {center: [1, 2, 3], radius: 4}\n"
+    "    motion:\n"
+    "      type: table\n"
+    "      interpolation: smooth\n"
+    "      center: [1, 1, 1]\n"
+    "      points: [{time: 0}, {time: 0.5, shift: [1, 2, 3]}, {time: 0.75, angle: -30}]\n"
     "solver: {density_error_avg: 2e-5, divergence_error: 3e-4, density_iterations: {min: 4, max: 4},\n"
     "  divergence_iterations: {min: 0, max: 1}, warm_start: 1, min_divergence_neighbors: 0,\n"
     "  negative_pressure: true}\n"
@@ -206,6 +236,21 @@ START_TEST(test_values) {
   ck_assert_double_eq(walls[5].sphere.radius, 4.0);
   ck_assert_double_eq(walls[6].rotation.angle, 90.0);
   ck_assert_double_eq(walls[6].rotation.axis[2], 1.0);
+  const hc_wall_motion *motion = &walls[10].motion;
+  ck_assert_int_eq(motion->type, HC_WALL_TABLE);
+  ck_assert_int_eq(motion->interpolation, HC_INTERPOLATION_SMOOTH);
+  ck_assert_int_eq(motion->point_count, 3);
+  ck_assert_double_eq(motion->points[1].shift[1], 2.0);
+  ck_assert_double_eq(motion->points[2].angle, -30.0);
+  ck_assert_double_eq(walls[7].motion.angular_velocity, -2.0);
+  ck_assert_double_eq(walls[7].motion.stop, 2.0);
+  ck_assert_double_eq(walls[9].motion.speed, 0.25);
+  ck_assert_int_eq(scene.fluid.emitter_count, 2);
+  ck_assert_int_eq(scene.fluid.emitters[1].form, HC_EMITTER_RECTANGLE);
+  ck_assert_double_eq(scene.fluid.emitters[1].rate, 0.01);
+  ck_assert_int_eq(scene.fluid.emitters[1].max_particles, 99999999999);
+  ck_assert_double_eq(scene.fluid.emitters[0].direction[2], -4.0);
+  ck_assert_double_eq(scene.fluid.emitters[0].clearance, 0.7);
   ck_assert_int_eq(scene.parallel.decomposition, HC_DECOMPOSITION_METIS);
   ck_assert_int_eq(scene.parallel.rebalance, HC_REBALANCE_NONE);
   ck_assert_int_eq(scene.parallel.rebalance_at, 12);

@@ -516,7 +516,7 @@ START_TEST(limits_are_computed_or_given) {
   hc_setup_plan plan = plan_of(&scene);
   hc_limits limits;
   hc_error error = {0};
-  ck_assert_int_eq(hc_setup_limits(&scene, &plan, &limits, &error), HC_OK);
+  ck_assert_int_eq(hc_setup_limits(&scene, &plan, &(hc_emitters){NULL, 0}, &limits, &error), HC_OK);
   const double low[3] = {-1.03, -1.03, -1.03}, high[3] = {2.03, 1.53, 0.51 + 4 * 1.02};
   for (int a = 0; a < 3; a++) {
     ck_assert_double_eq_tol(hc_limits_low(&limits, &plan.frame, a), low[a], 1e-6);
@@ -528,11 +528,11 @@ START_TEST(limits_are_computed_or_given) {
 
   scene.domain.limits_min[2] = -0.25; /* along z only */
   scene.domain.limits_max[2] = 0.5;
-  ck_assert_int_eq(hc_setup_limits(&scene, &plan, &limits, &error), HC_OK);
+  ck_assert_int_eq(hc_setup_limits(&scene, &plan, &(hc_emitters){NULL, 0}, &limits, &error), HC_OK);
   ck_assert_double_eq_tol(hc_limits_low(&limits, &plan.frame, 2), -0.25, 1e-6);
   ck_assert_double_eq_tol(hc_limits_high(&limits, &plan.frame, 0), high[0], 1e-6);
   scene.domain.limits_max[2] = 0.3;
-  ck_assert_int_eq(hc_setup_limits(&scene, &plan, &limits, &error), HC_BAD_INPUT);
+  ck_assert_int_eq(hc_setup_limits(&scene, &plan, &(hc_emitters){NULL, 0}, &limits, &error), HC_BAD_INPUT);
   ck_assert_msg(strstr(error.text, "fluid.blocks[0]: must lie within domain.limits along z"), "%s",
                 error.text);
   hc_setup_plan_free(&plan);
@@ -540,7 +540,7 @@ START_TEST(limits_are_computed_or_given) {
   scene.domain.limits_max[2] = 0.5;
   scene.boundary.wall_count = 0; /* nothing holds the fluid: no limits but those given */
   plan = plan_of(&scene);
-  ck_assert_int_eq(hc_setup_limits(&scene, &plan, &limits, &error), HC_OK);
+  ck_assert_int_eq(hc_setup_limits(&scene, &plan, &(hc_emitters){NULL, 0}, &limits, &error), HC_OK);
   ck_assert(isinf(hc_limits_low(&limits, &plan.frame, 0)) && isinf(hc_limits_high(&limits, &plan.frame, 1)));
   ck_assert(!isinf(hc_limits_low(&limits, &plan.frame, 2)));
   hc_setup_plan_free(&plan);

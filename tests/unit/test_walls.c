@@ -266,9 +266,12 @@ static void accept(const char *text, const char *warning) {
 #define TANK "boundary: {walls: [{name: tank, box: {min: [0, 0, 0], max: [1, 1, 1]}}]}\n"
 #define BLOCK(...) "fluid: {blocks: [{" __VA_ARGS__ "}]}\n"
 
+#define NO_FLUID(place)                                                                                      \
+  place ": fluid.blocks must have at least one block, or fluid.emitters an emitter: there is no fluid"
+
 START_TEST(blocks_must_hold_a_particle) {
-  refuse("name: none\n", 1, "1:1: fluid.blocks must have at least one block: there is no fluid");
-  refuse("fluid: {blocks: []}\n", 1, "4:17: fluid.blocks must have at least one block: there is no fluid");
+  refuse("name: none\n", 1, NO_FLUID("1:1"));
+  refuse("fluid: {blocks: []}\n", 1, NO_FLUID("4:17"));
   refuse(BLOCK("box: {min: [0, 0, 0], max: [0.5, 0.06, 0.5]}"), 1,
          "4:18: fluid.blocks[0] must be thick enough for a particle, at least particle_spacing (0.1 m), not "
          "0.06 m");

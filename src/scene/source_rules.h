@@ -1,0 +1,14 @@
+/* Rules between the keys of what is prescribed: moving walls and emitters. Local. */
+#ifndef HC_SOURCE_RULES_H
+#define HC_SOURCE_RULES_H
+
+#include "complaints.h"
+#include "given.h"
+#include "scene.h"
+
+/* What the keys of one wall's motion, of one emitter, must have to do with each other. */
+void hc_source_rules_motion(const hc_wall *wall, const hc_given *given, hc_complaints *complaints);
+void hc_source_rules_emitter(const hc_scene_emitter *emitter, const hc_given *given,
+                             hc_complaints *complaints);
+
+#endif
