@@ -90,6 +90,7 @@ bool hc_rollback_if_shock(hc_simulation *simulation, double dt, const hc_step_re
   if (shock.kind == HC_SHOCK_NONE) return false;
   *error = (hc_error){.status = HC_OK};
   go_back(simulation, &shock);
+  hc_simulation_pose_walls(simulation);
   hc_world_update(&simulation->world);
   return true;
 }
@@ -103,11 +104,13 @@ void hc_rollback_show_resumable(hc_simulation *simulation, hc_state_copy *now) {
   if (!begin) return;
   hc_state_remember(now, &simulation->state, HC_FLUID);
   hc_state_restore(begin, &simulation->state);
+  hc_simulation_pose_walls(simulation);
 }
 
 void hc_rollback_show_now(hc_simulation *simulation, hc_state_copy *now) {
   if (!now->full) return;
   hc_state_restore(now, &simulation->state);
   hc_state_copy_free(now);
+  hc_simulation_pose_walls(simulation);
   hc_world_update(&simulation->world);
 }

@@ -110,6 +110,31 @@ def restarts(case, _):
     return "stopped after 1, 11 to 14 and 21 steps: the same bytes"
 
 
+def prescribed(case, _):
+    """A layer that an emitter brought in is taken back with its step, and walls that moved are where they were."""
+    scene = c.SOURCE / "tests/cases/prescribed.yaml"
+    base = ["--set", "solver.density_error_avg=0.05", "--set", "output.snapshots.every=0.01", "--set",
+            "time_step={control: adaptive, adaptive: {shock: {error_rise: 0.4}}}"]
+
+    def run(name, ranks, options):
+        case.call(["run", scene, "-o", case.folder / name, "--quiet", *base, *options], ranks)
+        return case.folder / name
+
+    counts = [int(row["fluid_particles"]) for row in c.steps(run("undisturbed", 2, ["--steps", 45]))]
+    grown = [k + 1 for k in range(20, 40) if counts[k] > counts[k - 1]]
+    c.expect(grown, f"no layer comes in: {counts}")
+    at = grown[0]
+    hook = ["--set", f"faults.shock_at={at}", "--set", "faults.shock_again=1"]
+    one = run("moving_one", 1, [*hook, "--steps", 45])
+    c.expect(expect_whole(one) == (2, 4, 4), "two shocks are wanted")
+    expect_same(case, one, run("moving_three", 3, [*hook, "--steps", 45, "--set", "parallel.rebalance_every=1"]))
+    for stop in (at, at + 1):
+        name = f"moving_stop_{stop}"
+        run(name, 2, [*hook, "--steps", stop])
+        expect_same(case, one, run(name, 3, [*hook, "--steps", 45, "--restart"]))
+    return f"a layer of step {at} is taken back twice: the same bytes on 1, 2 and 3 ranks"
+
+
 def sessions(case, _):
     """Sessions of the shortest kind, each of which must get on."""
     hook = (*CALM, "faults.shock_at=2", "faults.shock_again=1", "end_time=0.01")
@@ -173,5 +198,5 @@ def plotted(case, _):
 
 
 if __name__ == "__main__":
-    c.main(__doc__, {"shocks": shocks, "restarts": restarts, "sessions": sessions, "ends": ends,
+    c.main(__doc__, {"shocks": shocks, "restarts": restarts, "prescribed": prescribed, "sessions": sessions, "ends": ends,
                      "plotted": plotted})
