@@ -127,6 +127,18 @@ static bool by_shock(const failure *f, char *text, size_t size) {
   return true;
 }
 
+/* An adaptive step that shrank and shrank. */
+static bool by_error(const failure *f, char *text, size_t size) {
+  const hc_step_bound bound = f->simulation->bound;
+  if (f->fault.kind != HC_FAULT_TIME_STEP || (bound != HC_BOUND_ERROR_AVG && bound != HC_BOUND_ERROR_MAX))
+    return false;
+  snprintf(text, size,
+           "the %s stays above what shrinks the step, however short it is; see solver.density_error_avg and "
+           "time_step.adaptive.shrink",
+           hc_step_bound_name(bound));
+  return true;
+}
+
 static bool by_gap(const failure *f, char *text, size_t size) {
   if (f->fault.kind != HC_FAULT_LEFT && !f->victim.below) return false;
   if (f->fault.kind == HC_FAULT_LEFT && !f->victim.below)
@@ -201,8 +213,8 @@ static bool by_scene(const failure *f, char *text, size_t size) {
 }
 
 static void find_cause(const failure *failure, char *text, size_t size) {
-  static rule *const rules[] = {by_hook,  by_shock, by_overlap, by_viscosity,
-                                by_scene, by_step,  by_gap,     by_cap};
+  static rule *const rules[] = {by_hook,  by_shock, by_error, by_overlap, by_viscosity,
+                                by_scene, by_step,  by_gap,   by_cap};
   for (size_t k = 0; k < sizeof rules / sizeof *rules; k++)
     if (rules[k](failure, text, size)) return;
   snprintf(text, size,

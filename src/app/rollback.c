@@ -53,40 +53,34 @@ static bool may_be_shock(hc_fault_kind kind) {
 static hc_shock find_shock(hc_simulation *simulation, double dt, const hc_step_report *before,
                            const hc_error *error) {
   const double time = simulation->time + dt;
-  hc_rollback *rollback = &simulation->rollback;
   if (error->status != HC_OK)
     return (hc_shock){.kind = may_be_shock(simulation->report.fault.kind) ? HC_SHOCK_FAULT : HC_SHOCK_NONE,
                       .time = time,
                       .dt = dt};
   const int at = simulation->scene->faults.shock_at;
-  if (at > 0 && at == simulation->step && rollback->forced <= simulation->scene->faults.shock_again) {
-    rollback->forced++;
+  if (at > 0 && at == simulation->step &&
+      simulation->rollback.forced <= simulation->scene->faults.shock_again)
     return (hc_shock){.kind = HC_SHOCK_FORCED, .time = time, .dt = dt};
-  }
   const hc_step_report seen = hc_simulation_seen_by_control(simulation);
   return hc_shock_find(&simulation->step_settings, time, dt,
                        simulation->step > 0 ? before->density_error_max : -1.0, &seen);
 }
 
-/* Everything goes back but what is known of shocks. */
+/* All state goes back, what is known of shocks too; nothing of that is lost, because the states that are
+ * remembered are all younger than the last rollback. */
 static void go_back(hc_simulation *simulation, const hc_shock *shock) {
   hc_rollback *rollback = &simulation->rollback;
-  const hc_shock_guard guard = rollback->guard;
-  const int64_t forced = rollback->forced;
   const hc_step_report failed = hc_simulation_seen_by_control(simulation);
   const bool measured = shock->kind != HC_SHOCK_FAULT;
   const int back = rollback->history.count > 1 ? 1 : 0;
   memset(&simulation->report, 0, sizeof simulation->report); /* what of it is state comes back */
   const bool found = hc_state_history_return(&rollback->history, &simulation->state, back);
   HC_CHECK(found, "the state %d steps ago must be remembered", back);
-  const int64_t untold = rollback->guard.untold;
-  rollback->guard = guard;
-  rollback->guard.untold = untold;
-  rollback->forced = forced;
+  hc_shock_guard_hit(&rollback->guard, &simulation->step_settings, shock, &failed, back + 1);
+  if (shock->kind == HC_SHOCK_FORCED) rollback->forced++;
   rollback->back = back + 1;
   rollback->v_max = measured ? failed.v_max : 0.0;
   rollback->force_max = measured ? failed.force_max : 0.0;
-  hc_shock_guard_hit(&rollback->guard, &simulation->step_settings, shock, &failed, back + 1);
 }
 
 bool hc_rollback_if_shock(hc_simulation *simulation, double dt, const hc_step_report *before,
@@ -96,6 +90,7 @@ bool hc_rollback_if_shock(hc_simulation *simulation, double dt, const hc_step_re
   if (shock.kind == HC_SHOCK_NONE) return false;
   *error = (hc_error){.status = HC_OK};
   go_back(simulation, &shock);
+  hc_simulation_pose_walls(simulation);
   hc_world_update(&simulation->world);
   return true;
 }
@@ -109,11 +104,13 @@ void hc_rollback_show_resumable(hc_simulation *simulation, hc_state_copy *now) {
   if (!begin) return;
   hc_state_remember(now, &simulation->state, HC_FLUID);
   hc_state_restore(begin, &simulation->state);
+  hc_simulation_pose_walls(simulation);
 }
 
 void hc_rollback_show_now(hc_simulation *simulation, hc_state_copy *now) {
   if (!now->full) return;
   hc_state_restore(now, &simulation->state);
   hc_state_copy_free(now);
+  hc_simulation_pose_walls(simulation);
   hc_world_update(&simulation->world);
 }

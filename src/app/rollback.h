@@ -52,7 +52,8 @@ bool hc_rollback_if_shock(hc_simulation *simulation, double dt, const hc_step_re
 void hc_rollback_pass(hc_simulation *simulation);
 
 /* Around the writing of a checkpoint: shows the state that it must hold, and the present one again, which
- * `now` keeps meanwhile (zeroed; freed by the second). The second is collective. */
+ * `now` keeps meanwhile (zeroed; freed by the second). Moving walls follow, other boundary particles stand
+ * still. Collective. */
 void hc_rollback_show_resumable(hc_simulation *simulation, hc_state_copy *now);
 void hc_rollback_show_now(hc_simulation *simulation, hc_state_copy *now);
 

@@ -222,6 +222,10 @@ static void pose_walls(hc_simulation *simulation, bool held) {
   hc_world_pose_walls(&simulation->world, simulation->time, longest_step(simulation->scene), held);
 }
 
+void hc_simulation_pose_walls(hc_simulation *simulation) {
+  pose_walls(simulation, false);
+}
+
 double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_prescribed_motions *motions,
                                       const hc_emitters *emitters) {
   return hc_prescribed_speed(motions, emitters, 0.0, longest_step(scene));
@@ -412,7 +416,7 @@ bool hc_simulation_done(const hc_simulation *simulation) {
   return simulation->time >= simulation->scene->end_time;
 }
 
-/* Inflow, moving walls and bodies will raise v_max here. */
+/* Bodies will raise v_max here too. */
 hc_step_report hc_simulation_seen_by_control(const hc_simulation *simulation) {
   hc_step_report report = simulation->report;
   report.v_max = fmax(report.v_max, simulation->world.moving.speed);
@@ -488,10 +492,7 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   const double dt = choose_step(simulation);
   advance(simulation, dt, error);
   hc_balance_stop(&simulation->balance, simulation->comm);
-  if (hc_rollback_if_shock(simulation, dt, &before, error)) {
-    pose_walls(simulation, false);
-    return HC_OK;
-  }
+  if (hc_rollback_if_shock(simulation, dt, &before, error)) return HC_OK;
   if (error->status != HC_OK) {
     hc_failure_explain(simulation, dt, &before, error);
     return error->status;

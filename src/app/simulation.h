@@ -68,6 +68,9 @@ bool hc_simulation_done(const hc_simulation *simulation);
  * afterwards. */
 hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error);
 
+/* Puts moving walls where they stand at simulation->time; hc_world_update must follow. Collective. */
+void hc_simulation_pose_walls(hc_simulation *simulation);
+
 /* The last report as the choice of the next step sees it: v_max counts all that moves, not only the fluid.
  * Local. */
 hc_step_report hc_simulation_seen_by_control(const hc_simulation *simulation);

@@ -42,9 +42,8 @@ hc_shock hc_shock_find(const hc_step_settings *settings, double time, double dt,
 enum { HC_SHOCK_TEXT = 160 };
 void hc_shock_text(const hc_shock *shock, char text[static HC_SHOCK_TEXT]);
 
-/* What the control remembers of shocks. Zeroed at the start. It is state of the run, but rollbacks leave it
- * as it is, except `untold`, which goes back with the steps and counts them. Accepted steps of a replay do
- * not end the guard, only the time of the shock does. */
+/* What the control remembers of shocks. Zeroed at the start. State of the run: a rollback brings it back too,
+ * and then adds itself. Accepted steps of a replay do not end the guard, only the time of the shock does. */
 typedef struct hc_shock_guard {
   hc_shock shock;    /* the last; of no meaning behind it */
   double until;      /* s: a replay is under way until then; 0: none */

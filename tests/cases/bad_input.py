@@ -35,6 +35,15 @@ def changed(old, new):
     return GOOD.replace(old, new, 1)
 
 
+def adaptive(settings, solver=""):
+    return added(f"time_step: {{control: adaptive, adaptive: {{{settings}}}}}\nsolver: {{method: pcisph{solver}}}")
+
+
+def nested(key):
+    word, inner = key.split(".")
+    return f"{word}: {{{inner}: 0}}"
+
+
 # Name: the scene, and what the message must hold. A place such as 4:1 is that of the caret, checked against the line
 # shown; one that is not a place is text.
 SCENES = {
@@ -155,6 +164,29 @@ SCENES = {
                                      "0.004"),
     "floor above the constant step": (added("time_step: {control: constant, size: 0.001, min: 0.002}"), "4:50",
                                       "time_step.min must be <= time_step.size, not 0.002 > 0.001"),
+    "a step that changes by nothing": (adaptive("change: 0"), "4:51", "time_step.adaptive.change must be in (0, 0.5], not '0'"),
+    "no restart allowed": (adaptive("restart: {most: 0}"), "4:59", "restart.most must be in [1, 1000], not '0'"),
+    "half a restart": (adaptive("restart: {most: 1.5}"), "4:59", "must be an integer, not '1.5'"),
+    "a restart no shorter": (adaptive("restart: {share: 1}"), "4:60", "restart.share must be in (0, 0.9], not '1'"),
+    "negative rise": (adaptive("shock: {error_rise: -1}"), "4:63", "shock.error_rise must be >= 0, not '-1'"),
+    "growth above shrinking": (adaptive("grow: {force: 0.3}"), "4:57", "time_step.adaptive.grow.force must be <= "
+                               "time_step.adaptive.shrink.force, not 0.3 > 0.2"),
+    "growth in what shrinks": (adaptive("shrink: {error_avg: 0.5}"), "4:63", "grow.error_avg must be <= ", "not 0.9 > 0.5"),
+    "shrinking in a shock": (adaptive("shrink: {velocity: 0.5}"), "4:62", "shrink.velocity must be <= "
+                             "time_step.adaptive.shock.velocity, not 0.5 > 0.45"),
+    "errors below their average": (adaptive("change: 0.01", ", density_error_max: 0.01"), "solver.density_error_avg must be < "
+                                   "solver.density_error_max, not 0.01 >= 0.01"),
+    "a rise beyond the largest error": (adaptive("shock: {error_rise: 0.2}"), "4:63", "time_step.adaptive.shock.error_rise "
+                                        "must be < solver.density_error_max, not 0.2 >= 0.1"),
+    "a rise below the average error": (adaptive("shock: {error_rise: 0.01}"), "solver.density_error_avg must be < "
+                                       "time_step.adaptive.shock.error_rise, not 0.01 >= 0.01"),
+    "negative shocks": (added("faults: {shock_at: -1, shock_again: -1}"), "4:20", "4:37", "faults.shock_at must be >= 0",
+                        "faults.shock_again must be >= 0"),
+    "unknown adaptive key": (adaptive("grows: 1"), "4:43", "unknown key 'time_step.adaptive.grows'"),
+    **{f"no {key}": (adaptive(nested(key)), f"time_step.adaptive.{key} must be > 0, not '0'")
+       for key in ("grow.force", "grow.error_max", "grow.error_avg", "grow.velocity", "shrink.force", "shrink.error_max",
+                   "shrink.error_avg", "shrink.velocity", "shock.velocity", "restart.force", "restart.velocity",
+                   "first.velocity", "first.depth")},
     "negative fault": (added("faults: {nan_at: -1}"), "4:18", "faults.nan_at must be >= 0"),
     "unknown fault": (added("faults: {nan: 1}"), "4:10", "unknown key 'faults.nan'"),
     "gauge outside": (added(f"boundary: {{walls: [{{{WALL}}}]}}\noutput: {{gauges: [{{name: a, type: height, at: [5, 0]}}]}}"),
