@@ -82,14 +82,24 @@ void hc_sample_set_add(hc_sample_set *set, const double x[3], const double norma
     link_sample(set, set->count - 1);
 }
 
-/* The nearest sample within `distance`, at most a cell, or -1; of several as near the first. `*square`: how
- * near. */
-static int32_t find_nearest(const hc_sample_set *set, const double x[3], double distance, double *square) {
+/* The nearest sample within `distance`, at most a cell, or -1; of several as near the first. `guess`: a
+ * sample that may be near, or -1: it saves looking at others. `*square`: how near. */
+static int32_t find_nearest(const hc_sample_set *set, const double x[3], double distance, int32_t guess,
+                            double *square) {
   int32_t found = -1;
   int64_t middle[3];
   double beyond[3][3]; /* squares of how far the cell before, its own and the one behind are */
   *square = distance * distance;
   if (set->count == 0) return -1;
+  if (guess >= 0 && guess < set->count) {
+    double away[3];
+    hc_vector_minus(set->at[guess].x, x, away);
+    const double here = hc_vector_dot(away, away);
+    if (here <= *square) {
+      *square = here;
+      found = guess;
+    }
+  }
   cell_of(set, x, middle);
   for (int a = 0; a < 3; a++) {
     const double within = x[a] - (double)middle[a] * set->cell, left = set->cell - within;
@@ -115,27 +125,25 @@ static int32_t find_nearest(const hc_sample_set *set, const double x[3], double 
 
 bool hc_sample_set_any_within(const hc_sample_set *set, const double x[3], double distance) {
   double square;
-  return find_nearest(set, x, distance, &square) >= 0;
+  return find_nearest(set, x, distance, -1, &square) >= 0;
 }
 
 /* --- Choosing and evening out --- */
 
-static void shuffle(hc_sample_candidates *candidates) {
-  for (int32_t k = candidates->count - 1; k > 0; k--) {
+void hc_sample_set_choose(hc_sample_set *set, const hc_sample_candidates *candidates, double distance) {
+  int32_t *const order = hc_alloc((size_t)candidates->count, sizeof *order);
+  for (int32_t k = 0; k < candidates->count; k++) { /* shuffled, by Fisher and Yates */
     const int32_t other = (int32_t)(mix((uint64_t)k * 0x9e3779b97f4a7c15u) % (uint64_t)(k + 1));
-    const hc_sample_candidate swapped = candidates->at[k];
-    candidates->at[k] = candidates->at[other];
-    candidates->at[other] = swapped;
+    order[k] = k;
+    order[k] = order[other];
+    order[other] = k;
   }
-}
-
-void hc_sample_set_choose(hc_sample_set *set, hc_sample_candidates *candidates, double distance) {
-  shuffle(candidates);
   for (int32_t k = 0; k < candidates->count; k++) {
-    const hc_sample_candidate *const candidate = &candidates->at[k];
+    const hc_sample_candidate *const candidate = &candidates->at[order[k]];
     if (!hc_sample_set_any_within(set, candidate->x, distance))
       hc_sample_set_add(set, candidate->x, NULL, candidate->triangle);
   }
+  hc_free(order);
 }
 
 /* The mean of a sample's candidates, and the one that is nearest to it. */
@@ -149,7 +157,7 @@ void hc_sample_set_even_out(hc_sample_set *set, hc_sample_candidates *candidates
   for (int32_t k = 0; k < candidates->count; k++) {
     hc_sample_candidate *const candidate = &candidates->at[k];
     double square;
-    candidate->nearest = find_nearest(set, candidate->x, set->cell, &square);
+    candidate->nearest = find_nearest(set, candidate->x, set->cell, candidate->nearest, &square);
     if (candidate->nearest < 0) continue;
     cluster *const c = &clusters[candidate->nearest];
     for (int a = 0; a < 3; a++) c->sum[a] += candidate->x[a];
@@ -201,17 +209,18 @@ static int by_gap(const void *left, const void *right) {
   return (a->candidate > b->candidate) - (a->candidate < b->candidate);
 }
 
-void hc_sample_set_fill(hc_sample_set *set, hc_sample_candidates *candidates, double distance) {
+void hc_sample_set_fill(hc_sample_set *set, const hc_sample_candidates *candidates, double distance) {
   gap *gaps = NULL;
   size_t room = 0, count = 0;
   for (int32_t k = 0; k < candidates->count; k++) {
     double square;
-    const int32_t near = find_nearest(set, candidates->at[k].x, set->cell, &square);
+    const int32_t near =
+        find_nearest(set, candidates->at[k].x, set->cell, candidates->at[k].nearest, &square);
     if (near >= 0 && square <= distance * distance) continue;
     hc_reserve((void **)&gaps, &room, 2 * count + 1, count, sizeof *gaps);
     gaps[count++] = (gap){near >= 0 ? square : INFINITY, k};
   }
-  qsort(gaps, count, sizeof *gaps, by_gap);
+  if (count > 0) qsort(gaps, count, sizeof *gaps, by_gap);
   for (size_t k = 0; k < count; k++) {
     const hc_sample_candidate *const candidate = &candidates->at[gaps[k].candidate];
     if (!hc_sample_set_any_within(set, candidate->x, distance))

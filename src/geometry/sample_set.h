@@ -26,7 +26,7 @@ typedef struct hc_sample_set {
 typedef struct hc_sample_candidate {
   double x[3];
   int32_t triangle;
-  int32_t nearest; /* sample */
+  int32_t nearest; /* sample, of the last round */
 } hc_sample_candidate;
 
 /* Zeroed: none. */
@@ -46,8 +46,9 @@ bool hc_sample_set_any_within(const hc_sample_set *set, const double x[3], doubl
 void hc_sample_candidates_add(hc_sample_candidates *candidates, const double x[3], int32_t triangle);
 void hc_sample_candidates_free(hc_sample_candidates *candidates);
 
-/* Shuffles the candidates and takes those that are not within `distance` of samples taken before. */
-void hc_sample_set_choose(hc_sample_set *set, hc_sample_candidates *candidates, double distance);
+/* Takes candidates, in an order that is shuffled by a fixed rule, that are not within `distance` of samples
+ * taken before. */
+void hc_sample_set_choose(hc_sample_set *set, const hc_sample_candidates *candidates, double distance);
 
 /* A round of Lloyd's algorithm. */
 void hc_sample_set_even_out(hc_sample_set *set, hc_sample_candidates *candidates);
@@ -56,6 +57,6 @@ void hc_sample_set_even_out(hc_sample_set *set, hc_sample_candidates *candidates
 void hc_sample_set_thin_out(hc_sample_set *set, double distance);
 
 /* Takes candidates that are farther than `distance` from all samples, the farthest first. */
-void hc_sample_set_fill(hc_sample_set *set, hc_sample_candidates *candidates, double distance);
+void hc_sample_set_fill(hc_sample_set *set, const hc_sample_candidates *candidates, double distance);
 
 #endif

@@ -37,8 +37,8 @@ static hc_mesh glass_mesh(void) {
 static hc_mesh torus_mesh(void) {
   double ring[24][2];
   for (int k = 0; k < 24; k++) {
-    ring[k][0] = 1 + 0.35 * cos(k * acos(-1.0) / 12);
-    ring[k][1] = 0.35 * sin(k * acos(-1.0) / 12);
+    ring[k][0] = 0.5 + 0.2 * cos(k * acos(-1.0) / 12);
+    ring[k][1] = 0.2 * sin(k * acos(-1.0) / 12);
   }
   hc_mesh mesh;
   ck_assert_int_eq(hc_revolution_mesh(none, slanted, (const double(*)[2])ring, 24, true, DX, &mesh, NULL),
@@ -56,15 +56,15 @@ static double random_in(double low, double high) {
 
 START_TEST(distances_are_those_of_the_shapes) {
   hc_surface *const box = surface_of(box_mesh(box_low, box_high), true), *const ball = surface_of(
-                                                                             sphere_mesh(centre, 1, 5), true);
+                                                                             sphere_mesh(centre, 1, 4), true);
   const hc_shape exact_box = hc_shape_box(box_low, box_high, up, 0, 0),
                  exact_ball = hc_shape_sphere(centre, 1);
-  for (int k = 0; k < 20000; k++) {
+  for (int k = 0; k < 5000; k++) {
     const double x[3] = {random_in(-2, 2), random_in(-2, 2), random_in(-1, 3)};
     ck_assert_double_eq_tol(hc_surface_signed_distance(box, x, NULL), hc_shape_distance(&exact_box, x),
                             1e-12);
     ck_assert_double_eq_tol(hc_surface_signed_distance(ball, x, NULL), hc_shape_distance(&exact_ball, x),
-                            1e-3);
+                            4e-3);
   }
   hc_surface_free(box);
   hc_surface_free(ball);
@@ -153,13 +153,13 @@ static void assert_even(const char *name, hc_surface *surface, int layers, bool 
     ck_assert_msg(rise > 0.55, "%s: towards the fluid only by %g", name, rise);
   }
   int hits = 0;
-  for (int k = 0; k < 20000; k++) {
+  for (int k = 0; k < 10000; k++) {
     double x[3];
     if (!on_layer(surface, side, x)) continue;
     hits++;
     hole = fmax(hole, nearest(surface, x, -1) / DX);
   }
-  ck_assert_int_gt(hits, 70);
+  ck_assert_int_gt(hits, 40);
   printf("%s, %d layers, fluid %s: %lld samples, nearest neighbours at %.3f to %.3f spacings, largest hole "
          "%.3f\n",
          name, layers, fluid_inside ? "inside" : "outside", (long long)surface->sample_count, least, most,
@@ -170,15 +170,13 @@ static void assert_even(const char *name, hc_surface *surface, int layers, bool 
 }
 
 START_TEST(samples_are_even) {
-  for (int layers = 1; layers <= 2; layers++)
-    for (int inside = 0; inside < 2; inside++) {
-      assert_even("box", surface_of(box_mesh(box_low, box_high), true), layers, inside);
-      assert_even("sphere", surface_of(sphere_mesh(centre, 0.8, 3), true), layers, inside);
-      assert_even("small sphere", surface_of(sphere_mesh(centre, 0.3, 3), true), layers, inside);
-      if (layers == 1) assert_even("torus", surface_of(torus_mesh(), true), layers, inside);
-      assert_even("L", surface_of(l_mesh(0.53), true), layers, inside);
-    }
-  assert_even("glass", surface_of(glass_mesh(), true), 1, false);
+  assert_even("box", surface_of(box_mesh(box_low, box_high), true), 1, false);
+  assert_even("box", surface_of(box_mesh(box_low, box_high), true), 2, true);
+  assert_even("sphere", surface_of(sphere_mesh(centre, 0.6, 3), true), 1, false);
+  assert_even("small sphere", surface_of(sphere_mesh(centre, 0.3, 3), true), 2, true);
+  assert_even("torus", surface_of(torus_mesh(), true), 1, true);
+  assert_even("L", surface_of(l_mesh(0.53), true), 1, true);
+  assert_even("L", surface_of(l_mesh(0.53), true), 2, false);
   assert_even("glass", surface_of(glass_mesh(), true), 2, false);
 }
 END_TEST
