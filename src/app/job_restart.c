@@ -81,6 +81,7 @@ static hc_status compare_scenes(const hc_job *job, const char *text, const char 
   const char *names[HC_FIELD_COUNT];
   hc_scene_limits limits = hc_scene_input_limits(names);
   limits.check = NULL; /* it has run before */
+  limits.load = NULL;
   hc_scene before;
   hc_error problem = {.status = HC_OK};
   if (hc_scene_read_text(&before, where, text, strlen(text), NULL, 0, &limits, NULL, &problem) != HC_OK) {

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "scene/motion_file.h"
+#include "setup/meshes.h"
 #include "setup/review.h"
 
 #include <string.h>
@@ -11,7 +12,7 @@ hc_scene_limits hc_scene_input_limits(const char **names) {
   for (int field = 0; field < HC_FIELD_COUNT; field++)
     if ((hc_fields[field].flags & HC_SNAPSHOT) && field != HC_FIELD_id)
       names[count++] = hc_fields[field].name;
-  return (hc_scene_limits){names, count, hc_setup_review};
+  return (hc_scene_limits){names, count, hc_setup_review, hc_setup_meshes_load, NULL};
 }
 
 /* What the ranks must know before the words themselves come. */
@@ -31,12 +32,13 @@ static char *join_words(const hc_scene_input *input, header *header) {
   return words;
 }
 
-static hc_status read_words(const header *header, const char *text, const char *words, hc_scene *scene,
-                            hc_warnings *warnings, hc_error *error) {
+static hc_status read_words(hc_comm *comm, const header *header, const char *text, const char *words,
+                            hc_scene *scene, hc_warnings *warnings, hc_error *error) {
   const char **each = hc_alloc((size_t)header->words, sizeof *each);
   for (int k = 0; k < header->words; k++, words += strlen(words) + 1) each[k] = words;
   const char *names[HC_FIELD_COUNT];
-  const hc_scene_limits limits = hc_scene_input_limits(names);
+  hc_scene_limits limits = hc_scene_input_limits(names);
+  limits.context = comm;
   const hc_status status = hc_scene_read_text(scene, each[0], text, header->text_bytes - 1, each + 1,
                                               header->words - 1, &limits, warnings, error);
   hc_free(each);
@@ -89,7 +91,7 @@ hc_status hc_scene_input_read(hc_comm *comm, const hc_scene_input *input, hc_sce
     }
     hc_comm_broadcast(comm, text, header.text_bytes, 0);
     hc_comm_broadcast(comm, words, header.word_bytes, 0);
-    read_words(&header, text, words, scene, comm->rank == 0 ? warnings : NULL, error);
+    read_words(comm, &header, text, words, scene, comm->rank == 0 ? warnings : NULL, error);
     if (hc_comm_agree(comm, error) != HC_OK || share_tables(comm, input->name, scene, error) != HC_OK)
       hc_scene_free(scene);
   }

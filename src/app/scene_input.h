@@ -14,7 +14,8 @@ typedef struct hc_scene_input {
   int override_count;
 } hc_scene_input;
 
-/* What the reader cannot know: names that output.snapshots.fields may hold, and how a scene is reviewed.
+/* What the reader cannot know: names that output.snapshots.fields may hold, and how a scene is reviewed
+ * and its meshes are loaded, by this process alone.
  * `names` has room for HC_FIELD_COUNT. Local. */
 hc_scene_limits hc_scene_input_limits(const char **names);
 

@@ -3,6 +3,7 @@
 #include "base/check.h"
 #include "base/memory.h"
 #include "base/turns.h"
+#include "surface.h"
 
 #include <math.h>
 
@@ -298,6 +299,10 @@ static const hc_sampling_run *run_of(const hc_sampling *sampling, int64_t k) {
 
 void hc_sampling_point(const hc_sampling *sampling, int64_t k, int64_t x[3]) {
   check_point(sampling, k);
+  if (sampling->listed) {
+    turn_into_place(sampling, sampling->listed[k].x, x);
+    return;
+  }
   if (sampling->run_count > 0) {
     const hc_sampling_run *const run = run_of(sampling, k);
     const int64_t in_run = k - run->first;
@@ -315,6 +320,7 @@ void hc_sampling_point(const hc_sampling *sampling, int64_t k, int64_t x[3]) {
 int64_t hc_sampling_row_end(const hc_sampling *sampling, int64_t k) {
   check_point(sampling, k);
   int64_t first, length;
+  if (sampling->listed) return k + 1;
   if (sampling->run_count > 0) {
     const hc_sampling_run *const run = run_of(sampling, k);
     first = run->first;
@@ -364,6 +370,11 @@ void hc_sampling_bounds(const hc_sampling *sampling, int64_t low[3], int64_t hig
   for (int a = 0; a < 3; a++) {
     low[a] = INT64_MAX;
     high[a] = INT64_MIN;
+  }
+  for (int64_t k = 0; sampling->listed && k < sampling->count; k++) {
+    int64_t x[3];
+    hc_sampling_point(sampling, k, x);
+    widen(x, low, high);
   }
   for (int64_t r = 0; r < sampling->run_count; r++) run_bounds(sampling, &sampling->runs[r], low, high);
   /* Positions are monotonic in each index, so the corners of the parts are enough. */

@@ -3,7 +3,8 @@
  * Method: a sampling is either a lattice (along each axis a position for each integer index) and a list of
  * disjoint boxes of indices, or a list of runs: straight rows or rings of points, repeated at equal steps.
  * Its count is the sum over the list; point k is found through the entry that holds k. Nothing is stored per
- * point, and since the entries are disjoint no point comes twice. Both may be turned as a whole.
+ * point, and since the entries are disjoint no point comes twice. Both may be turned as a whole. Only the
+ * walls of surfaces are lists of points.
  *
  * The surface of a wall is the wetted surface; boundary samples lie half a spacing on the far side of it and
  * fluid starts half a spacing on the near side, so the two are one spacing apart. Walls have `layers` of
@@ -67,6 +68,7 @@ typedef struct hc_sampling {
   double turn[3][3]; /* turn[a][t]: units along a for each along own axis t */
   bool rings;        /* the runs are rings */
   double pitch;      /* between the points of a row */
+  const struct hc_surface_sample *listed; /* the points, in own axes; somebody else's */
   hc_sampling_run *runs;
   int64_t run_count;
   size_t run_room;

@@ -2,6 +2,7 @@
 
 #include "base/check.h"
 #include "base/turns.h"
+#include "surface.h"
 
 #include <math.h>
 #include <string.h>
@@ -128,6 +129,11 @@ static bool is_thin(const hc_shape *shape, int component, double spacing) {
 hc_shape hc_shape_layer(const hc_shape *shape, double spacing, bool solid, int layer) {
   hc_shape surface = *shape;
   const double depth = (0.5 + layer) * spacing;
+  if (shape->surface) {
+    surface.level = depth;
+    surface.outside = shape->surface->closed && !solid;
+    return surface;
+  }
   for (int c = 0; c < hc_shape_components(shape); c++) {
     if (solid) {
       const double half = 0.5 * thickness_of(shape, c),
@@ -212,15 +218,27 @@ static double box_distance(const hc_shape *shape, const double x[3], bool throug
   return deepest > 0 ? sqrt(square) : deepest;
 }
 
+/* Negative inside a closed surface and in front of an open one. */
+static double distance_to_surface(const hc_shape *shape, const double x[3]) {
+  const double distance = hc_surface_signed_distance(shape->surface, x, NULL);
+  return shape->surface->closed ? distance : -distance;
+}
+
 double hc_shape_distance(const hc_shape *shape, const double x[3]) {
+  if (shape->surface) return distance_to_surface(shape, x);
   return box_distance(shape, x, false);
 }
 
 double hc_shape_region_distance(const hc_shape *shape, const double x[3]) {
+  if (shape->surface) return distance_to_surface(shape, x);
   return box_distance(shape, x, true);
 }
 
 double hc_shape_surface_distance(const hc_shape *shape, const double x[3]) {
+  if (shape->surface) {
+    const double front = hc_surface_signed_distance(shape->surface, x, NULL);
+    return fabs((shape->outside ? -front : front) + shape->level);
+  }
   double p[3], beyond[3], nearest = INFINITY;
   const int count = components_of(shape, x, p);
   for (int c = 0; c < count; c++) beyond[c] = fmax(0, fmax(shape->low[c] - p[c], p[c] - shape->high[c]));
@@ -244,6 +262,7 @@ void hc_shape_face_normal(const hc_shape *shape, int face, double normal[3]) {
 
 double hc_shape_reach(const hc_shape *shape) {
   double square = 0;
+  if (shape->surface) return sqrt(dot(shape->high, shape->high)) + 2 * shape->level; /* with mitred corners */
   for (int c = 0; c < hc_shape_components(shape); c++) {
     const double most = fmax(fabs(shape->low[c]), fabs(shape->high[c]));
     square += most * most;
@@ -254,6 +273,11 @@ double hc_shape_reach(const hc_shape *shape) {
 void hc_shape_bounds(const hc_shape *shape, double min[3], double max[3]) {
   for (int a = 0; a < 3; a++) {
     double round = 0, reach = 0;
+    if (shape->surface) {
+      min[a] = shape->surface->low[a];
+      max[a] = shape->surface->high[a];
+      continue;
+    }
     for (int t = 0; t < 3; t++) {
       const double part = shape->axes[t][a];
       if (shape->round > 1 && t < shape->round)

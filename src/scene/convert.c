@@ -1,6 +1,7 @@
 #include "convert.h"
 
 #include "base/check.h"
+#include "base/memory.h"
 #include "nearest.h"
 #include "scene.h"
 
@@ -209,6 +210,31 @@ static bool convert_names(const hc_conversion *c, char *out, int *count) {
   return good;
 }
 
+/* `*out` is allocated; null unless all pairs are good. */
+static bool convert_pairs(const hc_conversion *c, double (**out)[2], int *count) {
+  *out = NULL;
+  *count = 0;
+  if (c->node->kind != HC_YAML_LIST)
+    return refuse(c, c->node, -1, "a list of pairs, such as [[0, 0], [1, 2]]");
+  double(*const pairs)[2] = hc_alloc((size_t)c->node->count, sizeof *pairs);
+  bool good = true;
+  for (int k = 0; k < c->node->count; k++) {
+    const hc_yaml_node *const pair = c->node->items[k];
+    if (pair->kind != HC_YAML_LIST || pair->count != 2) {
+      good = refuse(c, pair, k, "a pair of numbers");
+      continue;
+    }
+    for (int part = 0; part < 2; part++) good &= convert_number(c, pair->items[part], k, &pairs[k][part]);
+  }
+  if (!good) {
+    hc_free(pairs);
+    return false;
+  }
+  *out = pairs;
+  *count = c->node->count;
+  return true;
+}
+
 /* One component of a scalar or vector. */
 static bool convert_component(const hc_conversion *c, const hc_yaml_node *node, int index, void *member) {
   const int k = index < 0 ? 0 : index;
@@ -239,6 +265,8 @@ bool hc_convert(const hc_conversion *c) {
   if (param->kind == HC_PARAM_FLAGS) return convert_flags(c, member);
   if (param->kind == HC_PARAM_NAMES)
     return convert_names(c, member, (int *)((char *)c->owner + param->count_offset));
+  if (param->kind == HC_PARAM_PAIRS)
+    return convert_pairs(c, member, (int *)((char *)c->owner + param->count_offset));
   const int length = hc_params_length(param);
   if (length == 1) return convert_component(c, c->node, -1, member);
   const int least = param->shorter ? length - 1 : length;

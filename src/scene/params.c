@@ -77,10 +77,13 @@ enum {
 static const char *const wall_forms[] = {[HC_FORM_BOX] = "box",
                                          [HC_FORM_CYLINDER] = "cylinder",
                                          [HC_FORM_SPHERE] = "sphere",
+                                         [HC_FORM_MESH] = "mesh",
+                                         [HC_FORM_REVOLUTION] = "revolution",
                                          [HC_FORM_PLANE] = "plane",
                                          NULL};
 static const char *const block_forms[] = {
-    [HC_FORM_BOX] = "box", [HC_FORM_CYLINDER] = "cylinder", [HC_FORM_SPHERE] = "sphere", NULL};
+    [HC_FORM_BOX] = "box",   [HC_FORM_CYLINDER] = "cylinder",     [HC_FORM_SPHERE] = "sphere",
+    [HC_FORM_MESH] = "mesh", [HC_FORM_REVOLUTION] = "revolution", NULL};
 static const char *const emitter_forms[] = {
     [HC_EMITTER_DISC] = "disc", [HC_EMITTER_RECTANGLE] = "rectangle", NULL};
 enum { DISC = 1 << HC_EMITTER_DISC, RECTANGLE = 1 << HC_EMITTER_RECTANGLE };
@@ -88,6 +91,8 @@ enum {
   BOX = 1 << HC_FORM_BOX,
   CYLINDER = 1 << HC_FORM_CYLINDER,
   SPHERE = 1 << HC_FORM_SPHERE,
+  MESH = 1 << HC_FORM_MESH,
+  REVOLUTION = 1 << HC_FORM_REVOLUTION,
   PLANE = 1 << HC_FORM_PLANE
 };
 
@@ -294,7 +299,8 @@ static void type_text(const hc_param *param, char *text, size_t size) {
   static const char *const names[] = {
       [HC_PARAM_BOOL] = "bool",         [HC_PARAM_INT] = "integer",     [HC_PARAM_INT64] = "integer",
       [HC_PARAM_NUMBER] = "number",     [HC_PARAM_TEXT] = "text",       [HC_PARAM_CHOICE] = "choice",
-      [HC_PARAM_FLAGS] = "choice list", [HC_PARAM_NAMES] = "name list", [HC_PARAM_LIST] = "map list"};
+      [HC_PARAM_FLAGS] = "choice list", [HC_PARAM_PAIRS] = "pair list", [HC_PARAM_NAMES] = "name list",
+      [HC_PARAM_LIST] = "map list"};
   const int length = hc_params_length(param);
   if (length > 1)
     snprintf(text, size, "%s[%d]", names[param->kind], length);

@@ -18,6 +18,7 @@ typedef enum hc_param_kind {
   HC_PARAM_TEXT,   /* char[N] */
   HC_PARAM_CHOICE, /* an enumeration */
   HC_PARAM_FLAGS,  /* unsigned: a list of choices, or-ed */
+  HC_PARAM_PAIRS,  /* double (*)[2] and a count, allocated */
   HC_PARAM_NAMES,  /* char[][HC_PARAM_NAME_SIZE] and a count: names the caller knows (hc_scene_limits) */
   HC_PARAM_LIST,   /* pointer and count: maps, each read by the table `items` */
 } hc_param_kind;
@@ -49,7 +50,7 @@ typedef struct hc_param {
   const hc_choice *choices; /* CHOICE, FLAGS */
   const char *zero_word;    /* NUMBER: the word that stands for zero */
   const hc_param_table *items;
-  size_t count_offset; /* NAMES, LIST: of the int that counts */
+  size_t count_offset; /* PAIRS, NAMES, LIST: of the int that counts */
   const char *chooser; /* path of the CHOICE or BOOL that decides whether this key is used; null: always */
   unsigned chosen;     /* bits 1 << value of the chooser with which it is; a BOOL is 1 if any component is */
   unsigned only;       /* bit k: the table's variant k has this key; 0: all have it */

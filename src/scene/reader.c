@@ -93,11 +93,12 @@ static void free_override(override *o) {
 }
 
 /* The scene's meaning, once its keys are in order. */
-static void check_meaning(hc_scene *scene, const hc_given *given, const hc_scene_limits *limits,
-                          hc_complaints *complaints, hc_complaints *warnings) {
-  if (!limits || !limits->check || complaints->total > 0) return;
+static void check_meaning(hc_scene *scene, const hc_given *given, const char *name,
+                          const hc_scene_limits *limits, hc_complaints *complaints, hc_complaints *warnings) {
+  if (!limits || complaints->total > 0) return;
   hc_findings findings = {given, complaints, warnings};
-  limits->check(scene, &findings);
+  if (limits->load) limits->load(limits->context, scene, name, &findings);
+  if (limits->check && complaints->total == 0) limits->check(scene, &findings);
 }
 
 /* Scene, from a parsed file and the overrides. The complaints refer to `applied`. */
@@ -119,7 +120,7 @@ static void read_tree(hc_scene *scene, const hc_yaml *yaml, const hc_source *sou
     apply_override(&applied[k], overrides[k], k + 1, &given, complaints);
   hc_fill(&given, scene, limits, complaints);
   hc_rules_apply(scene, &given, source->name, complaints);
-  check_meaning(scene, &given, limits, complaints, warnings);
+  check_meaning(scene, &given, source->name, limits, complaints, warnings);
   if (complaints->total == 0) hc_rules_drop_unused(scene, &given, warnings);
   hc_given_free(&given);
 }

@@ -20,6 +20,10 @@ typedef struct hc_scene_limits {
   int snapshot_field_count;
   /* Looks at a scene whose keys are all in order, such as hc_setup_review; null: nobody. Local. */
   void (*check)(const hc_scene *scene, hc_findings *findings);
+  /* Before that, loads the files that such a scene names, from the folder of the scene file `name`, such as
+   * hc_setup_meshes_load; null: nobody. Collective if its context says so. */
+  void (*load)(void *context, hc_scene *scene, const char *name, hc_findings *findings);
+  void *context;
 } hc_scene_limits;
 
 /* Reads the bytes of a scene file into `*text` (zero-terminated beyond `*length`, freed with hc_free).

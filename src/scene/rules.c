@@ -233,6 +233,17 @@ static bool check_direction(const hc_given *given, const char *path, const doubl
   return false;
 }
 
+static void check_profile(const hc_given *given, const hc_revolution *revolution, hc_complaints *complaints) {
+  for (int k = 0; k < revolution->profile_count; k++) {
+    const double radius = revolution->profile[k][0];
+    if (radius >= 0.0) continue;
+    char text[HC_PARAM_NUMBER_TEXT];
+    hc_params_number_text(radius, text);
+    hc_complaints_add(complaints, hc_given_place_of(given, "revolution.profile"),
+                      "%srevolution.profile[%d] must have r >= 0, not %s", given->prefix, k, text);
+  }
+}
+
 /* What blocks and walls have in common. */
 static void check_shape(const hc_given *given, const hc_box *box, const hc_rotation *rotation,
                         const hc_cylinder *cylinder, hc_complaints *complaints) {
@@ -241,8 +252,16 @@ static void check_shape(const hc_given *given, const hc_box *box, const hc_rotat
   check_direction(given, "cylinder.axis", cylinder->axis, complaints);
 }
 
+static void check_surface(const hc_given *given, const hc_mesh_input *mesh, const hc_revolution *revolution,
+                          hc_complaints *complaints) {
+  check_direction(given, "mesh.rotation.axis", mesh->rotation.axis, complaints);
+  check_direction(given, "revolution.axis", revolution->axis, complaints);
+  check_profile(given, revolution, complaints);
+}
+
 static void check_block(const hc_block *block, const hc_given *given, hc_complaints *complaints) {
   check_shape(given, &block->box, &block->rotation, &block->cylinder, complaints);
+  check_surface(given, &block->mesh, &block->revolution, complaints);
   if (is_bad(given, "flow.type") || block->flow.type == HC_FLOW_NONE) return;
   require(given, "flow.speed", "with a flow.type", complaints);
   require(given, "flow.length", "with a flow.type", complaints);
@@ -280,6 +299,12 @@ static void check_open(const hc_wall *wall, const hc_given *given, hc_complaints
 static void check_wall(hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
   hc_wall *wall = &scene->boundary.walls[index];
   check_shape(given, &wall->box, &wall->rotation, &wall->cylinder, complaints);
+  check_surface(given, &wall->mesh, &wall->revolution, complaints);
+  const bool sheet = (wall->form == HC_FORM_MESH && !wall->mesh.closed) ||
+                     (wall->form == HC_FORM_REVOLUTION && !wall->revolution.closed);
+  if (sheet && is_given(given, "inside"))
+    hc_complaints_add(complaints, hc_given_place_of(given, "inside"),
+                      "%sinside is a key of closed surfaces, and this one is not closed", given->prefix);
   check_open(wall, given, complaints);
   normalize(wall, given, complaints);
   hc_source_rules_motion(wall, given, complaints);

@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { HC_NAME_LENGTH = 128, HC_MAX_SNAPSHOT_FIELDS = 16 };
+enum { HC_NAME_LENGTH = 128, HC_FILE_LENGTH = 512, HC_CHECKSUM_LENGTH = 24, HC_MAX_SNAPSHOT_FIELDS = 16 };
 
 typedef struct hc_box {
   double min[3], max[3];
@@ -31,8 +31,40 @@ typedef struct hc_sphere {
   double radius;
 } hc_sphere;
 
+/* A file of triangles: scaled, then turned about its origin, then moved. */
+typedef struct hc_mesh_input {
+  char file[HC_FILE_LENGTH]; /* with its whole path, once it is loaded */
+  char checksum[HC_CHECKSUM_LENGTH];
+  double scale; /* m for each unit of the file */
+  hc_rotation rotation;
+  double translation[3];
+  bool closed; /* walls; a block always is */
+} hc_mesh_input;
+
+/* What a profile of pairs (r, z) makes, turned about an axis. */
+typedef struct hc_revolution {
+  double base[3]; /* where r and z are 0 */
+  double axis[3]; /* along which z grows, of any length */
+  double (*profile)[2];
+  int profile_count;
+  bool closed; /* walls; a block always is */
+} hc_revolution;
+
+/* What is made of a mesh or a revolution when the scene is read, see setup/meshes.h; freed with the scene. */
+typedef struct hc_made_surface {
+  struct hc_surface *surface; /* null: not made */
+  void (*free)(struct hc_surface *surface);
+} hc_made_surface;
+
 /* Which of the shapes a block or wall has; the others are zero. */
-typedef enum hc_form { HC_FORM_BOX, HC_FORM_CYLINDER, HC_FORM_SPHERE, HC_FORM_PLANE } hc_form;
+typedef enum hc_form {
+  HC_FORM_BOX,
+  HC_FORM_CYLINDER,
+  HC_FORM_SPHERE,
+  HC_FORM_MESH,
+  HC_FORM_REVOLUTION,
+  HC_FORM_PLANE
+} hc_form;
 
 typedef enum hc_flow_type { HC_FLOW_NONE, HC_FLOW_TAYLOR_GREEN, HC_FLOW_STANDING_WAVE } hc_flow_type;
 
@@ -52,6 +84,9 @@ typedef struct hc_block {
   hc_rotation rotation; /* of the box */
   hc_cylinder cylinder;
   hc_sphere sphere;
+  hc_mesh_input mesh;
+  hc_revolution revolution;
+  hc_made_surface made;
   double velocity[3];
   hc_flow flow;
 } hc_block;
@@ -129,7 +164,10 @@ typedef struct hc_wall {
   hc_rotation rotation; /* of the box */
   hc_cylinder cylinder;
   hc_sphere sphere;
-  hc_inside inside; /* box, cylinder, sphere: what is within */
+  hc_mesh_input mesh;
+  hc_revolution revolution;
+  hc_made_surface made;
+  hc_inside inside; /* not of a plane, nor of what is not closed: what is within */
   unsigned open;    /* box, cylinder: HC_FACE_* bits */
   double point[3];  /* plane: the rectangle's centre */
   double normal[3]; /* plane: into the fluid; unit length after reading */

@@ -44,6 +44,18 @@ static void write_names(FILE *out, const char *names, int count) {
   fputc(']', out);
 }
 
+static void write_pairs(FILE *out, const hc_param *param, const double (*pairs)[2], int count) {
+  fputc('[', out);
+  for (int k = 0; k < count; k++) {
+    fputs(k ? ", [" : "[", out);
+    write_number(out, param, pairs[k][0]);
+    fputs(", ", out);
+    write_number(out, param, pairs[k][1]);
+    fputc(']', out);
+  }
+  fputc(']', out);
+}
+
 /* For a value on its line; not for lists of maps. */
 void hc_scene_write_value(FILE *out, const hc_param *param, const void *owner) {
   const void *member = (const char *)owner + param->offset;
@@ -72,6 +84,10 @@ void hc_scene_write_value(FILE *out, const hc_param *param, const void *owner) {
       break;
     case HC_PARAM_FLAGS:
       write_flags(out, param, *(const unsigned *)member);
+      break;
+    case HC_PARAM_PAIRS:
+      write_pairs(out, param, *(const double(*const *)[2])member,
+                  *(const int *)((const char *)owner + param->count_offset));
       break;
     case HC_PARAM_NAMES:
       write_names(out, member, *(const int *)((const char *)owner + param->count_offset));

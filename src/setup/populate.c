@@ -93,9 +93,8 @@ static void place(const hc_setup_plan *plan, const hc_setup_source *source, int6
     if (source->kind == HC_ID_BOUNDARY) particles->reference[3 * index + a] = point[a];
   }
   if (source->kind != HC_ID_BOUNDARY) return;
-  double x[3], normal[3];
-  for (int a = 0; a < 3; a++) x[a] = hc_frame_to_metres(&plan->frame, a, point[a]);
-  hc_source_normal(&plan->frame, source, x, normal);
+  double normal[3];
+  hc_source_normal(&plan->frame, source, k, normal);
   for (int a = 0; a < 3; a++) particles->normal[3 * index + a] = (float)normal[a];
 }
 

@@ -2,12 +2,15 @@
 
 #include "base/check.h"
 #include "geometry/round.h"
+#include "geometry/surface_sampling.h"
 #include "setup/trace.h"
 
 #include <math.h>
 #include <stdio.h>
 
 static const double max_cells = (double)((int64_t)1 << 31); /* of a coordinate from the scene's origin */
+static const double rounding = 1e-4;   /* spacings, by which samples may lie off their layer */
+static const double off_second = 0.25; /* the same of second layers, in solids */
 static const char axis_names[] = "xyz";
 
 _Static_assert(HC_FACE_MINUS_X == 1 && HC_FACE_PLUS_X == 2 && HC_FACE_MINUS_Y == 4 && HC_FACE_PLUS_Y == 8 &&
@@ -110,20 +113,31 @@ typedef struct form {
   const hc_cylinder *cylinder;
   const hc_sphere *sphere;
   unsigned open;
+  const hc_surface *surface;
 } form;
 
 static form form_of_block(const hc_block *block) {
-  return (form){block->form, &block->box, &block->rotation, &block->cylinder, &block->sphere, 0};
+  return (form){block->form,    &block->box, &block->rotation,   &block->cylinder,
+                &block->sphere, 0,           block->made.surface};
+}
+
+static bool is_surface(hc_form f) {
+  return f == HC_FORM_MESH || f == HC_FORM_REVOLUTION;
 }
 
 /* Not of a plane. */
 static hc_status check_form(const hc_frame *frame, const form *f, const char *name, hc_error *error) {
+  if (is_surface(f->form)) {
+    HC_CHECK(f->surface, "%s has a surface that was not made", name);
+    return HC_OK; /* it was looked at when it was made */
+  }
   if (f->form == HC_FORM_CYLINDER) return check_cylinder(frame, f->cylinder, name, error);
   if (f->form == HC_FORM_SPHERE) return check_sphere(frame, f->sphere, name, error);
   return check_turned_box(frame, f->box, f->rotation, name, error);
 }
 
 static hc_shape shape_of(const form *f) {
+  if (is_surface(f->form)) return hc_surface_sampling_shape(f->surface);
   if (f->form == HC_FORM_CYLINDER)
     return hc_shape_cylinder(f->cylinder->base, f->cylinder->axis, f->cylinder->radius, f->cylinder->length,
                              f->open / HC_FACE_BASE);
@@ -188,8 +202,9 @@ hc_status hc_source_block(const hc_frame *frame, const hc_block *block, int numb
   source->flow = block->flow;
   source->shape = shape_of(&f);
   const hc_lattice lattice = lattice_of(frame);
-  source->sampling = is_plain_box(&f) ? hc_sampling_block(&lattice, block->box.min, block->box.max)
-                                      : hc_round_fill(&lattice, &source->shape);
+  source->sampling = is_plain_box(&f)     ? hc_sampling_block(&lattice, block->box.min, block->box.max)
+                     : is_surface(f.form) ? hc_surface_sampling_fill(&lattice, f.surface)
+                                          : hc_round_fill(&lattice, &source->shape);
   return check_sampling(frame, &source->sampling, false, name.text, error);
 }
 
@@ -198,6 +213,7 @@ static hc_sampling sample_wall(const hc_lattice *lattice, const hc_wall *wall, c
   const int layers = source->layers;
   if (wall->form == HC_FORM_PLANE)
     return hc_sampling_plane(lattice, wall->point, wall->normal, wall->size, layers);
+  if (is_surface(wall->form)) return hc_surface_sampling_wall(lattice, f->surface);
   if (!is_plain_box(f)) return hc_round_wall(lattice, &source->shape, source->solid, layers);
   return (source->solid ? hc_sampling_solid : hc_sampling_container)(lattice, wall->box.min, wall->box.max,
                                                                      wall->open, layers);
@@ -222,12 +238,18 @@ hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number,
   *source = (hc_setup_source){.kind = HC_ID_BOUNDARY,
                               .number = number,
                               .layers = layers,
+                              .off = layers > 1 ? off_second : rounding,
                               .solid = !plane && wall->inside == HC_INSIDE_SOLID};
   const hc_source_name name = hc_source_wall_name(wall, number);
-  const form f = {wall->form, &wall->box, &wall->rotation, &wall->cylinder, &wall->sphere, wall->open};
+  const form f = {wall->form,    &wall->box, &wall->rotation,   &wall->cylinder,
+                  &wall->sphere, wall->open, wall->made.surface};
   const hc_status status =
       plane ? check_plane(frame, wall, name.text, error) : check_form(frame, &f, name.text, error);
   if (status) return status;
+  if (is_surface(wall->form)) {
+    source->off = layers > 1 ? 1.5 : 0.5; /* at mitred edges */
+    source->solid = source->solid && f.surface->closed;
+  }
   const hc_lattice lattice = lattice_of(frame);
   source->shape = plane ? hc_shape_rectangle(wall->point, wall->normal, wall->size) : shape_of(&f);
   for (int l = 0; l < layers; l++)
@@ -254,8 +276,15 @@ double hc_source_layer_reach(const hc_setup_source *wall) {
   return reach;
 }
 
-void hc_source_normal(const hc_frame *frame, const hc_setup_source *wall, const double x[3],
-                      double normal[3]) {
+void hc_source_normal(const hc_frame *frame, const hc_setup_source *wall, int64_t k, double normal[3]) {
+  if (wall->sampling.listed) {
+    for (int a = 0; a < 3; a++) normal[a] = wall->sampling.listed[k].normal[a];
+    return;
+  }
+  int64_t point[3];
+  double x[3];
+  hc_sampling_point(&wall->sampling, k, point);
+  for (int a = 0; a < 3; a++) x[a] = hc_frame_to_metres(frame, a, point[a]);
   hc_shape_sample_normal(&wall->shape, hc_trace_spacing(frame), wall->solid, x, normal);
 }
 

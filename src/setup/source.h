@@ -20,6 +20,7 @@ typedef struct hc_setup_source {
   hc_shape shape;     /* the block, or the wall's wetted surface */
   hc_shape layer[2];  /* walls: the surfaces on which the samples lie */
   int layers;         /* walls: how many of them */
+  double off;         /* walls: spacings by which samples may lie off their layer */
   bool solid;         /* walls: an obstacle */
   int64_t moves;      /* walls that move: number + 1; 0: it stands */
 } hc_setup_source;
@@ -52,9 +53,8 @@ double hc_source_layer_distance(const hc_frame *frame, const hc_setup_source *wa
 /* The radius of the smallest sphere about the shape's centre that holds all of a wall's layers, m. */
 double hc_source_layer_reach(const hc_setup_source *wall);
 
-/* The normal at a wall's sample at `x`, m, see hc_shape_sample_normal. Local. */
-void hc_source_normal(const hc_frame *frame, const hc_setup_source *wall, const double x[3],
-                      double normal[3]);
+/* The normal at a wall's sample k, see hc_shape_sample_normal. Local. */
+void hc_source_normal(const hc_frame *frame, const hc_setup_source *wall, int64_t k, double normal[3]);
 
 /* Particles that the source makes. */
 int64_t hc_source_count(const hc_setup_source *source);

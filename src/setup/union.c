@@ -7,9 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double crowding = 0.5;   /* spacings, closer is too close */
-static const double rounding = 1e-4;  /* spacings, by which samples may lie off their place */
-static const double off_layer = 0.25; /* spacings, by which second layers may lie off their surface */
+static const double crowding = 0.5;  /* spacings, closer is too close */
+static const double rounding = 1e-4; /* spacings, by which samples may be nearer */
 
 /* A kept sample of an earlier wall and the cubic cell, half a spacing wide, that holds it. */
 typedef struct near_sample {
@@ -50,8 +49,7 @@ static near_sample sample_at(const crossing *c, const int64_t x[3]) {
 }
 
 static double distance_to(const crossing *c, const hc_setup_source *wall, const double x[3]) {
-  const double off = wall->layers > 1 ? off_layer : rounding;
-  return hc_source_layer_distance(c->frame, wall, x) - (crowding + off) * c->spacing;
+  return hc_source_layer_distance(c->frame, wall, x) - (crowding + wall->off) * c->spacing;
 }
 
 static double clearance_of_wall(const void *context, const double x[3]) {

@@ -125,7 +125,7 @@ SCENES = {
     "upside-down box": (changed("0.4, 0.4, 0.4", "0.4, -0.4, 0.4"), "3:46", "box.max must be > box.min along y"),
     "no normal": (added(f"boundary: {{walls: [{{{WALL.replace('0, 0, 1', '0, 0, 0')}}}]}}"), "must not be zero"),
     "two shapes": (added(f"boundary: {{walls: [{{{WALL}, box: {{min: [0, 0, 0], max: [1, 1, 1]}}}}]}}"), "4:20",
-                   "exactly one of box, cylinder, sphere, plane; it has box and plane"),
+                   "exactly one of box, cylinder, sphere, mesh, revolution, plane; it has box and plane"),
     "an empty shape": (added(f"boundary: {{walls: [{{{WALL}, box: {{}}}}]}}"), "4:86", "box must have keys, not {}"),
     "no shape": (added("boundary: {walls: [{}]}"), "4:20", "exactly one of", "it has none"),
     "wide support": (added("support_radius: 1"), "4:17", "support_radius must be 1.5 to 4 particle_spacing"),

@@ -8,7 +8,7 @@ from pathlib import Path
 import case as c
 
 COLUMNS = ("key", "type", "unit", "default", "range", "meaning")
-TYPE = re.compile(r"(bool|integer|number|text|choice|choice list|name list|map list)(\[\d\])?")
+TYPE = re.compile(r"(bool|integer|number|text|choice|choice list|pair list|name list|map list)(\[\d\])?")
 
 
 def readme():

@@ -17,7 +17,7 @@
 #define SMALLEST "particle_spacing: 0.02\nend_time: 2\n"
 
 static const char *const fields[] = {"id", "velocity", "density", "pressure"};
-static const hc_scene_limits limits = {fields, 4, NULL};
+static const hc_scene_limits limits = {.snapshot_fields = fields, .snapshot_field_count = 4};
 
 /* Reads `text` with up to one override (may be null). */
 static hc_status read_with(hc_scene *scene, const char *text, const char *override, hc_error *error) {
@@ -372,15 +372,15 @@ START_TEST(test_errors_in_a_line) {
       {"fluid: {blocks: [{cylinder: {base: [0,0,0], radius: 1}}]}",
        "18: missing required key 'fluid.blocks[0].cylinder.length'"},
       {"fluid: {blocks: [{velocity: [0,0,1]}]}",
-       "18: fluid.blocks[0] must have exactly one of box, cylinder, sphere; it has none"},
+       "18: fluid.blocks[0] must have exactly one of box, cylinder, sphere, mesh, revolution; it has none"},
       {"time_step: {control: constant, size: 0.02, max: 0.01}",
        "38: time_step.size must be <= time_step.max, not 0.02 > 0.01"},
-      {"boundary: {walls: [{}]}",
-       "20: boundary.walls[0] must have exactly one of box, cylinder, sphere, plane; it has none"},
+      {"boundary: {walls: [{}]}", "20: boundary.walls[0] must have exactly one of box, cylinder, sphere, "
+                                  "mesh, revolution, plane; it has none"},
       {"boundary: {walls: [{plane: {point: [0,0,0], normal: [0,0,0], size: [1,1]}}]}",
        "53: boundary.walls[0].plane.normal must not be zero, not [0, 0, 0]"},
       {"boundary: {walls: [{inside: solid, plane: {point: [0,0,0], normal: [0,0,1], size: [1,1]}}]}",
-       "29: boundary.walls[0].inside is a key of box, cylinder, sphere, not of plane"},
+       "29: boundary.walls[0].inside is a key of box, cylinder, sphere, mesh, revolution, not of plane"},
       {"fluid: {blocks: [{box: {min: [0,0,0]}}]}", "18: missing required key 'fluid.blocks[0].box.max'"},
       {"fluid: {blocks: [{box: {min: [0,0,0], max: [1,1,1]}, flow: {type: taylor_green, speed: 1}}]}",
        "18: missing key 'fluid.blocks[0].flow.length', required with a flow.type"},
@@ -396,9 +396,9 @@ END_TEST
 
 START_TEST(test_errors_elsewhere) {
   refuse("particle_spacing: -0.02\nend_time: 1", "1:19: particle_spacing must be > 0, not '-0.02'");
-  refuse(
-      SMALLEST "boundary:\n  walls:\n  - {box: {min: [0,0,0], max: [1,1,1]}, plane: {size: [1,1]}}\n",
-      "5:5: boundary.walls[0] must have exactly one of box, cylinder, sphere, plane; it has box and plane");
+  refuse(SMALLEST "boundary:\n  walls:\n  - {box: {min: [0,0,0], max: [1,1,1]}, plane: {size: [1,1]}}\n",
+         "5:5: boundary.walls[0] must have exactly one of box, cylinder, sphere, mesh, revolution, plane; it "
+         "has box and plane");
   refuse(SMALLEST "boundary:\n  walls:\n  - {name: a, box: {min: [0,0,0], max: [1,1,1]}}\n"
                   "  - {name: a, box: {min: [0,0,0], max: [1,1,1]}}\n",
          "6:12: boundary.walls[1].name must be the wall's own, not 'a' like wall 0");

@@ -15,7 +15,7 @@
 
 static hc_status read_scene(hc_scene *scene, const char *text, bool reviewed, hc_warnings *warnings,
                             hc_error *error) {
-  const hc_scene_limits limits = {NULL, 0, reviewed ? hc_setup_review : NULL};
+  const hc_scene_limits limits = {.check = reviewed ? hc_setup_review : NULL};
   char complete[4096];
   snprintf(complete, sizeof complete, START "output: {snapshots: {fields: []}}\n%s", text);
   return hc_scene_read_text(scene, "t.yaml", complete, strlen(complete), NULL, 0, &limits, warnings, error);
