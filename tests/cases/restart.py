@@ -274,7 +274,7 @@ def disk_full(case, _):
     scene = scene_of(case)
     disk = case.folder / "disk"
     disk.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1700k", "tmpfs", str(disk)], check=False,
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2200k", "tmpfs", str(disk)], check=False,
                       stderr=subprocess.DEVNULL).returncode != 0:
         return "skipped: no tmpfs can be mounted here"
     seen = set()
@@ -282,7 +282,7 @@ def disk_full(case, _):
         output = disk / "run"
         often = ["--set", "output.checkpoints.every_steps=5", "--set", "output.snapshots.every=0.02"]
         launch(case, scene, output, 2, [*often, "--steps", 12])
-        for room in range(1200, 0, -230):
+        for room in range(1600, 0, -310):
             filler = disk / "filler"
             filler.unlink(missing_ok=True)
             free = shutil.disk_usage(disk).free

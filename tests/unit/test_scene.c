@@ -635,14 +635,20 @@ static bool has_key(const char *text, const char *key) {
   return strstr(text, line) != NULL;
 }
 
-START_TEST(test_keys) {
+/* What `halocline keys` prints, of one solver's keys or all. The caller's to free. */
+static char *printed_keys(const char *solver) {
   char *all = NULL;
   size_t length = 0;
   FILE *out = open_memstream(&all, &length);
   ck_assert_ptr_nonnull(out);
   hc_error error;
-  ck_assert_int_eq(hc_params_print(out, "dfsph", &error), HC_OK);
+  ck_assert_int_eq(hc_params_print(out, solver, &error), HC_OK);
   fclose(out);
+  return all;
+}
+
+START_TEST(test_keys) {
+  char *all = printed_keys(NULL);
   for (int k = 0; k < hc_params_scene.count; k++) {
     const hc_param *param = &hc_params_scene.params[k];
     ck_assert_msg(has_key(all, param->path) == !param->hidden, "%s", param->path);
@@ -653,8 +659,14 @@ START_TEST(test_keys) {
     }
   }
   free(all);
+  char *own = printed_keys("pcisph"), *other = printed_keys("dfsph");
+  ck_assert(has_key(own, "solver.density_correction") && !has_key(own, "solver.warm_start"));
+  ck_assert(!has_key(other, "solver.density_correction") && has_key(other, "solver.warm_start"));
+  free(own);
+  free(other);
+  hc_error error;
   ck_assert_int_eq(hc_params_print(stdout, "magic", &error), HC_BAD_INPUT);
-  ck_assert_str_eq(error.text, "unknown solver 'magic'; known: dfsph");
+  ck_assert_str_eq(error.text, "unknown solver 'magic'; known: dfsph, pcisph");
 }
 END_TEST
 
