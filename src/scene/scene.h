@@ -232,6 +232,7 @@ typedef struct hc_scene {
     } surface_tension;
     double mass_factor; /* particle mass over the lattice's; below 1 under-fills a closed periodic domain */
     double disorder;    /* largest random shift off the lattice along each axis, in spacings */
+    int seed;           /* which random shifts */
     int settle_steps;   /* before the start: gravity and pressure without momentum */
     hc_block *blocks;
     int block_count;

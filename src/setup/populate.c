@@ -44,6 +44,7 @@ hc_status hc_setup_plan_make(const hc_scene *scene, const hc_frame *frame, hc_se
                           .boundary = hc_alloc((size_t)walls, sizeof(hc_setup_source))};
   for (int a = 0; a < 3; a++)
     plan->disorder[a] = (int64_t)(scene->fluid.disorder * (double)frame->spacing[a]);
+  plan->seed = (uint64_t)scene->fluid.seed;
   const hc_status status = plan_sources(scene, plan, error);
   if (status) hc_setup_plan_free(plan);
   return status;
@@ -67,10 +68,11 @@ void hc_setup_share(int64_t count, int rank, int size, int64_t *first, int64_t *
   *last = share_start(count, rank + 1, size);
 }
 
-/* Evenly distributed in [-largest, largest], from the id alone (the mixer of splitmix64, Steele et al. 2014).
+/* Evenly distributed in [-largest, largest], from the id and the seed alone (the mixer of splitmix64, Steele
+ * et al. 2014).
  */
-static int64_t random_shift(uint64_t id, int axis, int64_t largest) {
-  uint64_t mixed = (3 * id + (uint64_t)axis + 1) * 0x9e3779b97f4a7c15u;
+static int64_t random_shift(uint64_t seed, uint64_t id, int axis, int64_t largest) {
+  uint64_t mixed = (3 * id + (uint64_t)axis + 1) * 0x9e3779b97f4a7c15u + seed * 0xd1342543de82ef95u;
   mixed = (mixed ^ mixed >> 30) * 0xbf58476d1ce4e5b9u;
   mixed = (mixed ^ mixed >> 27) * 0x94d049bb133111ebu;
   mixed ^= mixed >> 31;
@@ -85,7 +87,8 @@ static void place(const hc_setup_plan *plan, const hc_setup_source *source, int6
   const uint64_t id = hc_id_make(source->kind, (uint64_t)source->number, (uint64_t)k);
   particles->id[index] = id;
   for (int a = 0; a < 3; a++) {
-    const int64_t shift = source->kind == HC_ID_FLUID ? random_shift(id, a, plan->disorder[a]) : 0;
+    const int64_t shift =
+        source->kind == HC_ID_FLUID ? random_shift(plan->seed, id, a, plan->disorder[a]) : 0;
     particles->position[3 * index + a] = hc_frame_wrap(&plan->frame, a, point[a] + shift);
     if (source->kind == HC_ID_BOUNDARY) particles->reference[3 * index + a] = point[a];
   }

@@ -16,6 +16,7 @@ typedef struct hc_setup_plan {
   hc_setup_source *boundary; /* one for each wall */
   int fluid_sources, boundary_sources;
   int64_t fluid_count, boundary_count; /* particles in all, on all ranks together */
+  uint64_t seed;                       /* of the shifts below */
   int64_t disorder[3];                 /* largest shift of fluid off its lattice, in units */
 } hc_setup_plan;
 

@@ -62,9 +62,11 @@ HC_INLINE void sum_planes(const hc_sweep *sweep, bool plane, float steepness, in
         const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
         hc_float unused;
         const vector n = load_velocity(sweep->boundary->facing, row.offset + at, &unused);
-        const hc_float w = hc_keep(hc_max(one - rate * p.q, zero), row.count - at);
+        const hc_float over = dot_pair(&n, &p), near = hc_max(one - rate * p.q, zero);
+        /* the far side of a thin wall has no say */
+        const hc_float w = hc_keep(plane ? (hc_float)((hc_int)near & (over > zero)) : near, row.count - at);
         weight.part[part] += w;
-        height.part[part] = hc_fma(w, plane ? dot_pair(&n, &p) : w, height.part[part]);
+        height.part[part] = hc_fma(w, plane ? over : w, height.part[part]);
         add_scaled(&normal, part, w, &n);
       }
     }

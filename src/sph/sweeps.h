@@ -147,9 +147,9 @@ typedef struct hc_sweeps {
   void (*push)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin, int32_t end);
 
   /* contacts_i: v the direction away from the walls (not of unit length; 0: no contact), scalar the depth, m.
-   * WEIGHTED: w = max(0, 1 - r/reach); v = sum w n_b, depth = sum w (reach - r) / sum w. DISTANCE: with w =
-   * max(0, 1 - r/h), v = sum w n_b and depth = reach - sum w (x_i - x_b) . n_b / sum w, which may be
-   * negative. */
+   * WEIGHTED: w = max(0, 1 - r/reach); v = sum w n_b, depth = sum w (reach - r) / sum w. DISTANCE: over
+   * samples in front of which the particle is, with w = max(0, 1 - r/h), v = sum w n_b and depth = reach -
+   * sum w (x_i - x_b) . n_b / sum w, which may be negative. */
   void (*contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts, int32_t begin,
                    int32_t end);
 

@@ -44,6 +44,17 @@ def nested(key):
     return f"{word}: {{{inner}: 0}}"
 
 
+DISC = "disc: {position: [9, 9, 9], direction: [0, 0, 1], radius: 1}"
+
+
+def moving(motion):
+    return added(f"boundary: {{walls: [{{{WALL}, motion: {motion}}}]}}")
+
+
+def emitting(emitter):
+    return GOOD.replace("fluid: {", f"fluid:\n  emitters: [{{{emitter}}}]\n  ").replace("}}]}\n", "}}]\n")
+
+
 # Name: the scene, and what the message must hold. A place such as 4:1 is that of the caret, checked against the line
 # shown; one that is not a place is text.
 SCENES = {
@@ -67,6 +78,21 @@ SCENES = {
     "zero spacing": (changed("0.1", "0"), "1:19", "particle_spacing must be > 0, not '0'"),
     "tiny spacing": (changed("0.1", "1e-320"), "1:19", "particle_spacing must be 1e-9 to 1e9"),
     "too many layers": (added("boundary: {layers: 3}"), "4:20", "boundary.layers must be in [0, 2], not '3'"),
+    "walls of another method": (added("boundary: {method: ihmsen2010}"), "4:20",
+                                "boundary.method must be akinci2012 with solver.method dfsph"),
+    "unknown boundary method": (added("boundary: {method: ihmsen}"), "4:20", "one of akinci2012, ihmsen2010"),
+    "laminar without volumes": (changed("{blocks", "{viscosity: {model: laminar}, blocks")
+                                + "solver: {method: pcisph}\nboundary: {method: becker2009}\n", "3:28",
+                                "must not be laminar unless boundary.method is akinci2012"),
+    "more than sticks": (added("boundary: {friction: 1.5}"), "4:22", "boundary.friction must be in [0, 1], not '1.5'"),
+    "negative bounce": (added("boundary: {elasticity: -0.1}"), "4:24", "boundary.elasticity must be in [0, 1]"),
+    "error of one below that of all": (added("solver: {method: pcisph, density_error_avg: 0.01, density_error_max: 0.001}"),
+                                       "4:70", "density_error_max must be 0 or >= solver.density_error_avg"),
+    "unknown correction": (added("solver: {method: pcisph, density_correction: kernel}"), "4:46", "one of none, shepard"),
+    "surface tension that pushes": (changed("{blocks", "{surface_tension: {model: becker2007, coefficient: -1}, blocks"),
+                                    "3:59", "fluid.surface_tension.coefficient must be >= 0"),
+    "unknown surface tension": (changed("{blocks", "{surface_tension: {model: akinci}, blocks"), "3:34",
+                                "one of none, becker2007"),
     "out of range": (added("fluid2: 1\nsolver: {warm_start: 1.5}"), "5:22", "must be in [0, 1], not '1.5'"),
     "NaN": (added("gravity: [0, 0, .nan]"), "4:17", "gravity[2] must be finite, not '.nan'"),
     "infinity": (changed("end_time: 1", "end_time: .inf"), "2:11", "end_time must be finite, not '.inf'"),
@@ -181,6 +207,58 @@ SCENES = {
     "gauge of no wall": (added("output: {gauges: [{name: a, type: force, wall: bed}]}"), "the name of a wall of the scene"),
     "key of another gauge": (added("output: {gauges: [{name: a, type: front, axis: +x, wall: bed}]}"), "4:58",
                              "wall is a key of pressure, force, not of front"),
+    "unknown motion": (moving("{type: sine}"), "4:96", "one of none, constant, cosine, table", "not 'sine'"),
+    "a motion without speed": (moving("{type: constant}"), "4:96", "motion.type must have a velocity or an angular_velocity"),
+    "a turn about nothing": (moving("{type: constant, angular_velocity: 1, center: [0, 0, 0], axis: [0, 0, 0]}"),
+                             "motion.axis must not be zero"),
+    "a turn without a center": (moving("{type: constant, angular_velocity: 1}"), "motion.center', required of a wall that turns"),
+    "velocity that is no number": (moving("{type: constant, velocity: [a, 0, 0]}"), "velocity[0] must be a number, not 'a'"),
+    "a cosine without frequency": (moving("{type: cosine, amplitude: 1, direction: [1, 0, 0]}"), "'boundary.walls[0].motion."
+                                   "frequency', required with motion.type cosine"),
+    "frequency zero": (moving("{type: cosine, amplitude: 1, direction: [1, 0, 0], frequency: 0}"), "frequency must be > 0, not '0'"),
+    "amplitude and speed": (moving("{type: cosine, amplitude: 1, speed: 1, direction: [1, 0, 0], frequency: 1}"),
+                            "motion.speed must not be given beside motion.amplitude"),
+    "angle and its speed": (moving("{type: cosine, angle: 1, angular_velocity: 1, center: [0, 0, 0], frequency: 1}"),
+                            "motion.angular_velocity must not be given beside motion.angle"),
+    "negative amplitude": (moving("{type: cosine, amplitude: -1, direction: [1, 0, 0], frequency: 1}"), "amplitude must be >= 0"),
+    "negative angle": (moving("{type: cosine, angle: -1, center: [0, 0, 0], frequency: 1}"), "angle must be >= 0"),
+    "a cosine along nothing": (moving("{type: cosine, amplitude: 1, frequency: 1}"), "motion.direction must not be zero"),
+    "a cosine of nothing": (moving("{type: cosine, frequency: 1}"), "must have one of amplitude, speed, angle, angular_velocity"),
+    "a phase too far": (moving("{type: cosine, amplitude: 1, direction: [1, 0, 0], frequency: 1, phase: 361}"),
+                        "phase must be in [-360, 360]"),
+    "a table without rows": (moving("{type: table}"), "motion.points must have a row, or motion.file name a table"),
+    "a table twice": (moving("{type: table, file: a.csv, points: [{time: 0}]}"), "points must not be given beside motion.file"),
+    "rows out of order": (moving("{type: table, points: [{time: 0}, {time: 1}, {time: 1}]}"),
+                          "motion.points[2].time must be > the row's before it, not 1 <= 1"),
+    "a row without time": (moving("{type: table, points: [{shift: [0, 0, 0]}]}"), "motion.points[0].time'"),
+    "a shift that is short": (moving("{type: table, points: [{time: 0, shift: [0, 0]}]}"), "must be a list of 3 numbers"),
+    "rows for no table": (moving("{type: constant, velocity: [1, 0, 0], points: [{time: 0}]}"), "they are for motion.type table"),
+    "an unknown interpolation": (moving("{type: table, interpolation: cubic, points: [{time: 0}]}"), "one of linear, smooth"),
+    "no such table": (moving("{type: table, file: none.csv}"), "boundary.walls[0].motion.file", "none.csv: cannot be opened"),
+    "a table that is none": (moving("{type: table, file: scene.yaml}"), "must name the columns time, x, y, z"),
+    "a stop before the start": (moving("{type: constant, velocity: [1, 0, 0], start: 2, stop: 1}"),
+                                "motion.stop must be > motion.start, not 1 <= 2"),
+    "a start before time": (moving("{type: constant, velocity: [1, 0, 0], start: -1}"), "motion.start must be >= 0"),
+    "an emitter without shape": (emitting("speed: 1"), "exactly one of disc, rectangle; it has none"),
+    "an emitter with two": (emitting("disc: {position: [9, 9, 9]}, rectangle: {position: [9, 9, 9]}"), "it has disc and rectangle"),
+    "no speed, no rate": (emitting(DISC), "4:14", "fluid.emitters[0] must have a speed or a rate"),
+    "speed and rate": (emitting(f"{DISC}, speed: 1, rate: 1"), "rate must not be given beside speed"),
+    "a negative speed": (emitting(f"{DISC}, speed: -1"), "speed must be >= 0, not '-1'"),
+    "a negative rate": (emitting(f"{DISC}, rate: -1"), "rate must be >= 0, not '-1'"),
+    "a flow to nowhere": (emitting(f"{DISC.replace('0, 0, 1', '0, 0, 0')}, speed: 1"), "disc.direction must not be zero"),
+    "a disc of no size": (emitting(f"{DISC.replace('radius: 1', 'radius: 0')}, speed: 1"), "disc.radius must be > 0"),
+    "a disc for less than a particle": (emitting(f"{DISC.replace('radius: 1', 'radius: 0.05')}, speed: 1"),
+                                        "the opening must have room for a particle, at least 0.141421 m across"),
+    "a disc as large as a world": (emitting(f"{DISC.replace('radius: 1', 'radius: 1e6')}, speed: 1"), "at most 2^24 particles"),
+    "a disc beyond the world": (emitting(f"{DISC.replace('[9,', '[1e12,')}, speed: 1"), "must lie within 2^31 support radii"),
+    "an emitter beyond the limits": (emitting(f"{DISC}, speed: 1") + "domain: {limits: {min: [-1, -1, -1], max: [5, 5, 5]}}\n",
+                                     "fluid.emitters[0]: must lie within domain.limits along x"),
+    "too many to name": (emitting(f"{DISC}, speed: 1e10"), "at most 2^40 particles until end_time"),
+    "a rectangle of one edge": (emitting("rectangle: {position: [9, 9, 9], direction: [1, 0, 0], size: [1]}, speed: 1"),
+                                "size must be a list of 2 numbers"),
+    "an emitter that stops first": (emitting(f"{DISC}, speed: 1, start: 1, stop: 1"), "stop must be > start, not 1 <= 1"),
+    "fewer than none": (emitting(f"{DISC}, speed: 1, max_particles: -1"), "max_particles must be >= 0"),
+    "no clearance": (emitting(f"{DISC}, speed: 1, clearance: 0"), "clearance must be in (0, 1]"),
     "odd period": (added("domain: {periodic: [true, false, false], min: [0, 0, 0], max: [1.05, 1, 1]}"), "domain along x",
                    "whole number of particle spacings"),
     "short period": (added("domain: {periodic: [true, false, false], min: [0, 0, 0], max: [1e-300, 1, 1]}"),

@@ -117,7 +117,7 @@ START_TEST(volumes_are_a_wall_s_own_and_stay) {
   start(&simulation, &scene);
   const double tank = volume_of(&simulation, 0), plate = volume_of(&simulation, 1);
   scene.parallel.rebalance_at = 3;
-  do_steps(&simulation, 6);
+  do_steps(&simulation, 25);
   ck_assert_double_eq(volume_of(&simulation, 0), tank);
   ck_assert_double_eq(volume_of(&simulation, 1), plate);
   ck_assert_int_eq(simulation.balance.count, 1);

@@ -57,9 +57,11 @@ static double wall_share(const setting *s, int32_t i, hc_wall_rule walls) {
     if (r >= H) continue;
     if (walls == HC_WALLS_MIRRORED) share += boundary_volume_of(s->boundary.id[b]) * kernel(r);
     if (walls == HC_WALLS_PRESSURE) share += VOLUME * kernel(r);
+    double over = 0;
+    for (int axis = 0; axis < 3; axis++) over += x.x[axis] / H * normal_of(s->boundary.id[b], axis);
+    if (over <= 0) continue;
     weight += 1 - r / H;
-    for (int axis = 0; axis < 3; axis++)
-      height += (1 - r / H) * x.x[axis] / H * normal_of(s->boundary.id[b], axis);
+    height += (1 - r / H) * over;
   }
   if (walls == HC_WALLS_DISTANCE && weight > 0) share = 0.6 * fmin(1, fmax(0, 1 - fmax(0, height / weight)));
   return share;
@@ -215,7 +217,7 @@ START_TEST(contacts) {
           const double w = fmax(0, 1 - r / reach);
           const vec normal = {{normal_of(s.boundary.id[b], 0), normal_of(s.boundary.id[b], 1),
                                normal_of(s.boundary.id[b], 2)}};
-          if (r >= H) continue;
+          if (r >= H || (rule == HC_CONTACT_DISTANCE && dot(x, normal) <= 0)) continue;
           add(&n, w, normal);
           weights_sum += w;
           depth += rule == HC_CONTACT_DISTANCE ? w * (REACH - dot(x, normal)) : w * (REACH - r);

@@ -1,5 +1,6 @@
 /* What a scene prescribes: motions and what they make of walls, tables in files, the layers of emitters. */
 #include "base/memory.h"
+#include "boundary/boundary.h"
 #include "scene/motion_file.h"
 #include "scene/reader.h"
 #include "setup/prescribed.h"
@@ -221,6 +222,29 @@ START_TEST(poses_do_not_add_up) {
 }
 END_TEST
 
+/* A wall at -x comes with 0.4 m/s: what is too deep in it gets its speed, what is not stays. */
+START_TEST(contact_carries_along) {
+  hc_particles fluid;
+  hc_particles_init(&fluid, HC_FLUID);
+  hc_particles_resize(&fluid, 3);
+  hc_particles_set_ghosts(&fluid, 0);
+  const float densities[] = {0.5f, 0.1f, 0.5f};
+  for (int k = 0; k < 3; k++) {
+    fluid.wall_density[k] = densities[k];
+    const float gradient[3] = {-5.0f, 0.0f, 0.0f};
+    memcpy(&fluid.wall_gradient[3 * k], gradient, sizeof gradient);
+    fluid.wall_rate[k] = -5.0f * 0.4f;
+    fluid.pressure[k] = 0.0f;
+  }
+  fluid.velocity[6] = 0.5; /* faster than the wall */
+  ck_assert_int_eq(hc_boundary_akinci2012.contact(&fluid, 1000.0, 0.3, 0.001), 1);
+  ck_assert_double_eq_tol(fluid.velocity[0], 0.4, 1e-6);
+  ck_assert_double_eq(fluid.velocity[3], 0.0);
+  ck_assert_double_eq(fluid.velocity[6], 0.5);
+  hc_particles_free(&fluid);
+}
+END_TEST
+
 /* ---- tables in files ---- */
 
 static char folder[] = "/tmp/halocline_prescribed_XXXXXX";
@@ -353,6 +377,7 @@ int main(void) {
   tcase_add_test(cases, smooth_tables_go_through_their_rows);
   tcase_add_test(cases, turns_keep_lengths);
   tcase_add_test(cases, poses_do_not_add_up);
+  tcase_add_test(cases, contact_carries_along);
   tcase_add_test(cases, tables_come_from_files);
   tcase_add_test(cases, layers_fill_their_opening);
   tcase_add_test(cases, an_opening_may_be_too_small);

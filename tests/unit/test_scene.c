@@ -681,6 +681,7 @@ int main(void) {
       test_round_trip, test_keys,      test_gauges,           test_own_scenes};
   Suite *suite = suite_create("scene");
   TCase *all = tcase_create("all");
+  tcase_set_timeout(all, 60); /* sanitizers make every key cost */
   for (size_t k = 0; k < sizeof tests / sizeof tests[0]; k++) tcase_add_test(all, tests[k]);
   suite_add_tcase(suite, all);
   SRunner *runner = srunner_create(suite);
