@@ -10,7 +10,6 @@ bool hc_rollback_is_on(const hc_simulation *simulation) {
 }
 
 void hc_rollback_register(hc_simulation *simulation) {
-  if (!hc_rollback_is_on(simulation)) return;
   hc_state *state = &simulation->state;
   hc_shock_guard *guard = &simulation->rollback.guard;
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_avg, "density_error_avg");
@@ -37,11 +36,12 @@ void hc_rollback_remember(hc_simulation *simulation) {
 }
 
 double hc_rollback_next(const hc_simulation *simulation) {
-  return simulation->rollback.guard.next;
+  return hc_rollback_is_on(simulation) ? simulation->rollback.guard.next : 0.0;
 }
 
 bool hc_rollback_gave_up(const hc_simulation *simulation) {
-  return simulation->rollback.guard.restarts > simulation->step_settings.adaptive.most_restarts;
+  return hc_rollback_is_on(simulation) &&
+         simulation->rollback.guard.restarts > simulation->step_settings.adaptive.most_restarts;
 }
 
 /* May a shorter step do better? */

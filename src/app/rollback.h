@@ -30,7 +30,7 @@ typedef struct hc_rollback {
 /* Does the scene's time step ever go back? */
 bool hc_rollback_is_on(const hc_simulation *simulation);
 
-/* Registers what is state. Local. */
+/* Registers what is state, whatever the control: a restart may have another. Local. */
 void hc_rollback_register(hc_simulation *simulation);
 
 /* As a step begins: remembers. Local. */
