@@ -358,8 +358,9 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
   hc_frame frame;
   if (hc_setup_frame(scene, &frame, error) != HC_OK) return error->status;
   const double ratio = scene->particle_spacing / scene->support_radius, h = frame.support_radius;
-  const double volume_factor =
-      scene->boundary.volume_factor > 0.0 ? scene->boundary.volume_factor : hc_setup_wall_factor(ratio);
+  const double volume_factor = scene->boundary.method != HC_BOUNDARY_AKINCI2012 ? hc_setup_wall_share(ratio)
+                               : scene->boundary.volume_factor > 0.0 ? scene->boundary.volume_factor
+                                                                     : hc_setup_wall_factor(ratio);
   const hc_world_settings settings = {
       .frame = frame,
       .rest_density = scene->fluid.rest_density,

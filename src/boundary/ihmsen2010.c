@@ -9,13 +9,15 @@
  * go along, and the particle is left where it is. */
 #include "boundary.h"
 
+#include <math.h>
+
 void hc_boundary_prepare_frozen(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
                                 const hc_neighbors *list, double factor) {
-  (void)factor;
-  /* With factor 1, volume = 1/sum W and V sum W = V/volume. */
+  /* With factor 1, volume = 1/sum W and V sum W = V/volume. Where walls overlap, samples are too dense among
+   * themselves, and a pressure from that alone would blow up what touches them. */
   sweeps->boundary_volume(sweep, boundary, list, 1.0f);
   for (int32_t b = 0; b < boundary->own; b++) {
-    boundary->boundary_share[b] = sweep->volume / boundary->volume[b];
+    boundary->boundary_share[b] = fminf(sweep->volume / boundary->volume[b], (float)factor);
     boundary->volume[b] = sweep->volume;
     boundary->place[b].scalar = 0.0f;
   }

@@ -63,6 +63,11 @@ double hc_setup_contact_limit(double spacing_over_h, double factor) {
   return factor * plane_sum(spacing_over_h, 0.5) / plane_sum(spacing_over_h, 0);
 }
 
+double hc_setup_wall_share(double spacing_over_h) {
+  const double all = hc_setup_rest_lattice_sum(spacing_over_h);
+  return 1 - half_sum(spacing_over_h, 1) / all;
+}
+
 double hc_setup_rest_lattice_gradient(double spacing_over_h) {
   const int reach = (int)(1 / spacing_over_h) + 1;
   double sum = 0;

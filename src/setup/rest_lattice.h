@@ -23,6 +23,10 @@ double hc_setup_wall_factor(double spacing_over_h);
  * of h/2. */
 double hc_setup_contact_limit(double spacing_over_h, double factor);
 
+/* The share of a flat wall, filled with the rest lattice, in the density of its own outermost layer: what
+ * fluid at rest on it leaves. 0.85 at a spacing of h/2. Range as above. */
+double hc_setup_wall_share(double spacing_over_h);
+
 /* Sum of |grad W|^2 h^8 over the rest lattice seen from one of its points: of the prototype particle with a
  * filled neighbourhood (Ihmsen et al. 2010, eq. 4), whose gradients themselves cancel. Range as above. */
 double hc_setup_rest_lattice_gradient(double spacing_over_h);
