@@ -61,10 +61,24 @@ static double default_sound_speed(const hc_scene *scene) {
   return 10.0 * sqrt(2.0 * (gravity > 0.0 ? sqrt(gravity) : 1.0) * height);
 }
 
+/* Likewise of what emitters bring: ten times its speed. */
+static double emitted_sound_speed(const hc_scene *scene) {
+  double speed = 0.0;
+  for (int k = 0; k < scene->fluid.emitter_count; k++) {
+    const hc_scene_emitter *emitter = &scene->fluid.emitters[k];
+    const double area = emitter->form == HC_EMITTER_DISC
+                            ? 3.14159265358979323846 * emitter->radius * emitter->radius
+                            : emitter->size[0] * emitter->size[1];
+    speed = fmax(speed, fmax(emitter->speed, emitter->rate / area));
+  }
+  return 10.0 * speed;
+}
+
 static double sound_speed(const hc_scene *scene) {
   if (scene->fluid.viscosity.model != HC_VISCOSITY_ARTIFICIAL) return 0.0;
-  return scene->fluid.viscosity.sound_speed > 0.0 ? scene->fluid.viscosity.sound_speed
-                                                  : default_sound_speed(scene);
+  return scene->fluid.viscosity.sound_speed > 0.0
+             ? scene->fluid.viscosity.sound_speed
+             : fmax(default_sound_speed(scene), emitted_sound_speed(scene));
 }
 
 hc_step_settings hc_step_settings_of(const hc_scene *scene) {
@@ -175,6 +189,7 @@ static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   hc_setup_generate(&simulation->plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
   if (hc_comm_agree(comm, error) != HC_OK) return error->status;
+  hc_moving_walls_start(&world->boundary);
   pose_walls(simulation, simulation->scene->fluid.settle_steps > 0);
   hc_world_start(world, hc_balance_first_divider(simulation->scene));
   if (simulation->scene->fluid.settle_steps > 0 && settle(simulation, error) != HC_OK) return error->status;
@@ -339,11 +354,12 @@ static void meet(hc_simulation *simulation) {
 }
 
 /* The report that the next step's length follows from: prescribed speeds are speeds too. */
-static hc_step_report with_prescribed(const hc_simulation *simulation) {
+static hc_step_report with_prescribed(hc_simulation *simulation) {
   hc_step_report report = simulation->report;
-  report.v_max = fmax(report.v_max, simulation->world.moving.speed);
-  report.v_max = fmax(report.v_max, hc_emitters_speed(&simulation->emitters, simulation->time,
-                                                      longest_step(simulation->scene)));
+  simulation->prescribed =
+      fmax(simulation->world.moving.speed,
+           hc_emitters_speed(&simulation->emitters, simulation->time, longest_step(simulation->scene)));
+  report.v_max = fmax(report.v_max, simulation->prescribed);
   return report;
 }
 

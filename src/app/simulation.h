@@ -29,6 +29,7 @@ typedef struct hc_simulation {
   hc_limits limits;              /* of the world */
   hc_prescribed_motions motions; /* of walls */
   hc_emitters emitters;
+  double prescribed;        /* m/s: the largest speed of walls and emitters, as the last step was chosen */
   int64_t emitted, blocked; /* particles that emitters brought in, and left out, as the last step began */
   hc_departures departures; /* taken out as the last step began */
   int64_t capped_at;        /* the last step in which the density solver was at its cap; 0: none */

@@ -43,6 +43,9 @@ void hc_moving_walls_free(hc_moving_walls *moving);
  * rank, if a pose has changed. Collective, but local if these are the poses there are. */
 bool hc_moving_walls_pose(hc_moving_walls *moving, hc_comm *comm, double time, double ahead, bool held);
 
+/* Start of a run, before the first pose: normals as they are become the reference. Local. */
+void hc_moving_walls_start(hc_particles *boundary);
+
 /* Puts own boundary particles of moving walls where the poses say: position and normal. Local. */
 void hc_moving_walls_place(const hc_moving_walls *moving, const hc_frame *frame, hc_particles *boundary);
 
