@@ -7,7 +7,10 @@
  *
  * A wall stands at x(t) during the step from t on and moves with v(t). Boundary volumes are those of the
  * start, of each moving wall by itself (Akinci et al. 2012: a rigid body's own samples): walls
- * that come together or part keep them. */
+ * that come together or part keep them.
+ *
+ * Known weakness: while any wall moves, all boundary particles are sorted and get their ghosts anew in each
+ * step, which takes 50 to 70 ns for each (one core, 100,000 of them). */
 #ifndef HC_MOVING_WALLS_H
 #define HC_MOVING_WALLS_H
 
