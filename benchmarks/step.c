@@ -2,8 +2,10 @@
  *
  * A column of 0.8 m x 0.54 m x 0.6 m runs to 0.4 s (the front has nearly reached the far wall) with a loose
  * tolerance, then steps are timed twice: with exactly 2 density and 1 divergence iterations, and with the
- * default settings. Times are wall-clock medians over the steps, the slowest rank counts. Usage: [mpirun -n
- * N] bench_step [SPACING [STEPS]]; 0.01 m makes 259,200 particles */
+ * default settings. With a boundary method as third argument the same with PCISPH: exactly 3 iterations, at a
+ * step of half a millisecond for each centimetre of spacing. Times are wall-clock medians over the steps, the
+ * slowest rank counts. Usage: [mpirun -n N] bench_step [SPACING [STEPS [METHOD]]]; 0.01 m makes 259,200
+ * particles */
 #include "app/simulation.h"
 #include "base/check.h"
 #include "base/memory.h"
@@ -54,6 +56,31 @@ static hc_scene make_scene(double spacing, hc_block *block, hc_wall *wall) {
   return scene;
 }
 
+static const struct {
+  const char *name;
+  hc_boundary_method method;
+} methods[] = {{"ihmsen2010", HC_BOUNDARY_IHMSEN2010},
+               {"becker2009", HC_BOUNDARY_BECKER2009},
+               {"harada2007", HC_BOUNDARY_HARADA2007},
+               {"akinci2012", HC_BOUNDARY_AKINCI2012}};
+
+/* Makes it a scene for PCISPH; false for a name that no boundary method has. */
+static bool use_pcisph(hc_scene *scene, const char *name) {
+  scene->fluid.viscosity.model = HC_VISCOSITY_ARTIFICIAL;
+  scene->solver.method = HC_SOLVER_PCISPH;
+  scene->solver.density_error_avg = 0.01;
+  scene->solver.density_iterations = (hc_iterations){3, 3};
+  scene->boundary.friction = 1.0;
+  scene->time_step.control = HC_TIME_CONSTANT;
+  scene->time_step.size = scene->time_step.max = 0.05 * scene->particle_spacing;
+  for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
+    if (strcmp(methods[k].name, name) != 0) continue;
+    scene->boundary.method = methods[k].method;
+    return true;
+  }
+  return false;
+}
+
 static void advance(hc_simulation *simulation) {
   hc_error error = {.status = HC_OK};
   HC_CHECK(hc_simulation_step(simulation, &error) == HC_OK, "%s", error.text);
@@ -94,28 +121,7 @@ static void measure(hc_simulation *simulation, const char *name, int steps) {
              1e9 * stage[k] / steps / (double)world->fluid_total);
 }
 
-int main(int argc, char **argv) {
-  hc_comm comm;
-  hc_comm_start(&comm, &argc, &argv);
-  const double spacing = argc > 1 ? atof(argv[1]) : 0.01;
-  const int steps = argc > 2 ? atoi(argv[2]) : 20;
-  if (!(spacing > 0.0) || steps < 1 || steps > MAX_STEPS) {
-    if (comm.rank == 0) fprintf(stderr, "usage: bench_step [SPACING [STEPS of 1 to %d]]\n", MAX_STEPS);
-    hc_comm_finish(&comm);
-    return 2;
-  }
-  hc_block block;
-  hc_wall wall;
-  const hc_scene scene = make_scene(spacing, &block, &wall);
-  hc_simulation *simulation = hc_alloc_zero(1, sizeof *simulation);
-  hc_error error = {.status = HC_OK};
-  HC_CHECK(hc_simulation_init(simulation, &comm, &scene, &error) == HC_OK, "%s", error.text);
-  while (simulation->time < 0.4) advance(simulation);
-  if (comm.rank == 0)
-    printf("%lld fluid and %lld boundary particles on %d ranks, instruction set %s, %lld steps to %.3f s\n",
-           (long long)simulation->world.fluid_total, (long long)simulation->world.boundary_total, comm.size,
-           hc_isa_name(simulation->isa), (long long)simulation->step, simulation->time);
-
+static void measure_dfsph(hc_simulation *simulation, int steps) {
   hc_solver_settings *settings = &simulation->solver_settings;
   settings->density_max = 2;
   settings->divergence_max = 1;
@@ -125,6 +131,36 @@ int main(int argc, char **argv) {
   settings->density_error_avg = 1e-4;
   for (int k = 0; k < 10; k++) advance(simulation); /* lets the finer tolerance settle */
   measure(simulation, "default settings", steps);
+}
+
+int main(int argc, char **argv) {
+  hc_comm comm;
+  hc_comm_start(&comm, &argc, &argv);
+  const double spacing = argc > 1 ? atof(argv[1]) : 0.01;
+  const int steps = argc > 2 ? atoi(argv[2]) : 20;
+  hc_block block;
+  hc_wall wall;
+  hc_scene scene = make_scene(spacing, &block, &wall);
+  const bool pcisph = argc > 3;
+  if (!(spacing > 0.0) || steps < 1 || steps > MAX_STEPS || (pcisph && !use_pcisph(&scene, argv[3]))) {
+    if (comm.rank == 0)
+      fprintf(stderr, "usage: bench_step [SPACING [STEPS of 1 to %d [BOUNDARY METHOD]]]\n", MAX_STEPS);
+    hc_comm_finish(&comm);
+    return 2;
+  }
+  hc_simulation *simulation = hc_alloc_zero(1, sizeof *simulation);
+  hc_error error = {.status = HC_OK};
+  HC_CHECK(hc_simulation_init(simulation, &comm, &scene, &error) == HC_OK, "%s", error.text);
+  while (simulation->time < 0.4) advance(simulation);
+  if (comm.rank == 0)
+    printf("%lld fluid and %lld boundary particles on %d ranks, instruction set %s, %lld steps to %.3f s\n",
+           (long long)simulation->world.fluid_total, (long long)simulation->world.boundary_total, comm.size,
+           hc_isa_name(simulation->isa), (long long)simulation->step, simulation->time);
+
+  if (pcisph)
+    measure(simulation, argv[3], steps);
+  else
+    measure_dfsph(simulation, steps);
   hc_simulation_free(simulation);
   hc_free(simulation);
   hc_comm_finish(&comm);

@@ -68,7 +68,8 @@ HC_PUBLIC void hc_run_free(hc_run *run);
  * after that there is nothing to step: HC_BAD_INPUT. HC_FAILED: the simulation diverged, or a
  * particle left the world and domain.leaving is error: the message names particle, place and likely cause,
  * and the run can be written as a snapshot or freed, nothing else. With domain.leaving: remove, particles
- * that have left are taken out as a step begins, and `fluid` falls. Collective. */
+ * that have left are taken out as a step begins, and `fluid` falls. With time_step.control: adaptive a shock
+ * takes back the step before it too: then step and time may be no later than before the call. Collective. */
 HC_PUBLIC hc_status hc_run_step(hc_run *run, hc_error *error);
 
 /* What is known of a run at its moment; the same on every rank but for the own counts. */

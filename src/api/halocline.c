@@ -94,7 +94,8 @@ hc_status hc_run_step(hc_run *run, hc_error *error) {
   if (hc_simulation_done(&run->simulation))
     return hc_error_set(error, HC_BAD_INPUT, "the run has reached its end time, %g s", run->scene.end_time);
   hc_error problem = {.status = HC_OK};
-  hc_simulation_step(&run->simulation, &problem);
+  do hc_simulation_step(&run->simulation, &problem);
+  while (problem.status == HC_OK && run->simulation.rollback.back > 0);
   return hand_over(&problem, error);
 }
 

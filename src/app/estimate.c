@@ -156,7 +156,10 @@ static int longest_axis(const hc_estimate_set *set) {
 }
 
 static double fluid_bytes(const hc_scene *scene) {
-  return FLUID + NEIGHBORS * pow(scene->support_radius / scene->particle_spacing, 3);
+  /* to go back to, and one more while a checkpoint is written */
+  const int copies = scene->time_step.control == HC_TIME_ADAPTIVE ? HC_STATE_HISTORY + 1 : 0;
+  return FLUID + NEIGHBORS * pow(scene->support_radius / scene->particle_spacing, 3) +
+         copies * (double)hc_particles_state_bytes(HC_FLUID);
 }
 
 double hc_estimate_least_memory(const hc_scene *scene, const hc_setup_plan *plan, int64_t ranks) {

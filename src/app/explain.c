@@ -57,10 +57,11 @@ void hc_explain_time_step(hc_explained *explained, const hc_simulation *simulati
     return;
   }
   const standout found = find_standout(&simulation->world, bound);
-  if (bound == HC_BOUND_VELOCITY && simulation->prescribed > found.size) {
+  const double largest = hc_simulation_seen_by_control(simulation).v_max;
+  if (bound == HC_BOUND_VELOCITY && largest > simulation->report.v_max) {
     hc_log_info(
         log, "step %lld, t = %g s: time step %.4g s, bounded by: velocity; walls or emitters have %.4g m/s",
-        (long long)simulation->step, simulation->time, dt, simulation->prescribed);
+        (long long)simulation->step, simulation->time, dt, largest);
     return;
   }
   hc_log_info(log,

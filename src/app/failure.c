@@ -115,6 +115,30 @@ static bool by_hook(const failure *f, char *text, size_t size) {
   return true;
 }
 
+static bool by_shock(const failure *f, char *text, size_t size) {
+  const hc_shock_guard *guard = &f->simulation->rollback.guard;
+  if (f->fault.kind != HC_FAULT_TIME_STEP || guard->until == 0.0) return false;
+  char what[HC_SHOCK_TEXT];
+  hc_shock_text(&guard->shock, what);
+  snprintf(text, size,
+           "a shock at %.6g s, that %lld restarts with ever shorter steps did not get past: %s; see "
+           "solver.density_error_max and time_step.adaptive",
+           guard->shock.time, (long long)guard->restarts - 1, what);
+  return true;
+}
+
+/* An adaptive step that shrank and shrank. */
+static bool by_error(const failure *f, char *text, size_t size) {
+  const hc_step_bound bound = f->simulation->bound;
+  if (f->fault.kind != HC_FAULT_TIME_STEP || (bound != HC_BOUND_ERROR_AVG && bound != HC_BOUND_ERROR_MAX))
+    return false;
+  snprintf(text, size,
+           "the %s stays above what shrinks the step, however short it is; see solver.density_error_avg and "
+           "time_step.adaptive.shrink",
+           hc_step_bound_name(bound));
+  return true;
+}
+
 static bool by_gap(const failure *f, char *text, size_t size) {
   if (f->fault.kind != HC_FAULT_LEFT && !f->victim.below) return false;
   if (f->fault.kind == HC_FAULT_LEFT && !f->victim.below)
@@ -153,12 +177,17 @@ static bool by_viscosity(const failure *f, char *text, size_t size) {
 static bool by_step(const failure *f, char *text, size_t size) {
   const hc_step_settings *settings = &f->simulation->step_settings;
   const double speed = f->fault.kind == HC_FAULT_START_SPEED ? f->fault.value : f->before->v_max;
-  const double usual = 0.4 * settings->spacing / speed;
+  const bool adaptive = settings->control == HC_STEP_ADAPTIVE;
+  const double usual = adaptive ? settings->adaptive.shrink.velocity * settings->support_radius / speed
+                                : 0.4 * settings->spacing / speed;
   if (f->fault.kind == HC_FAULT_TIME_STEP || !(f->dt > 1.5 * usual)) return false;
   snprintf(text, size,
-           "the time step is too long: a speed of %.3g m/s allows %.3g s (0.4 spacings), not %.3g s; lower "
+           "the time step is too long: a speed of %.3g m/s allows %.3g s (%.3g spacings), not %.3g s; lower "
            "time_step.%s",
-           speed, usual, f->dt, settings->control == HC_STEP_CONSTANT ? "size" : "factor");
+           speed, usual, usual * speed / settings->spacing, f->dt,
+           settings->control == HC_STEP_CONSTANT ? "size"
+           : adaptive                            ? "max"
+                                                 : "factor");
   return true;
 }
 
@@ -184,7 +213,8 @@ static bool by_scene(const failure *f, char *text, size_t size) {
 }
 
 static void find_cause(const failure *failure, char *text, size_t size) {
-  static rule *const rules[] = {by_hook, by_overlap, by_viscosity, by_scene, by_step, by_gap, by_cap};
+  static rule *const rules[] = {by_hook,  by_shock, by_error, by_overlap, by_viscosity,
+                                by_scene, by_step,  by_gap,   by_cap};
   for (size_t k = 0; k < sizeof rules / sizeof *rules; k++)
     if (rules[k](failure, text, size)) return;
   snprintf(text, size,

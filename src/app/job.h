@@ -82,6 +82,10 @@ hc_status hc_job_add_step_row(hc_job *job, const hc_job_load *load, double activ
 hc_status hc_job_add_load_row(hc_job *job, const hc_job_load *load, double wall_seconds, const char *event,
                               hc_error *error);
 
+/* After a step that was taken back (see rollback.h): says so in the log, and removes rows, snapshots and
+ * readings of steps that are no more. Collective; HC_IO_FAILED, agreed. */
+hc_status hc_job_take_back(hc_job *job, hc_error *error);
+
 /* Timings by stage into timings.json and the log. Collective. */
 hc_status hc_job_summarize(hc_job *job, hc_error *error);
 

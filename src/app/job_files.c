@@ -103,6 +103,7 @@ hc_status hc_job_add_step_row(hc_job *job, const hc_job_load *load, double activ
                             .density_error_max = report->density_error_max,
                             .v_max = report->v_max,
                             .a_max = report->a_max,
+                            .force_max = report->force_max,
                             .kinetic_energy = report->kinetic_energy,
                             .potential_energy = report->potential_energy,
                             .fluid_particles = load->fluid,
@@ -117,6 +118,25 @@ hc_status hc_job_add_load_row(hc_job *job, const hc_job_load *load, double wall_
   const hc_load_row row = {job->simulation.step, wall_seconds,    load->imbalance,
                            load->ghosts_max,     load->bytes_max, event};
   return hc_tables_add_load(&job->tables, &row, error);
+}
+
+hc_status hc_job_take_back(hc_job *job, hc_error *error) {
+  const hc_simulation *simulation = &job->simulation;
+  const hc_rollback *rollback = &simulation->rollback;
+  const hc_shock_guard *guard = &rollback->guard;
+  char what[HC_SHOCK_TEXT];
+  hc_shock_text(&guard->shock, what);
+  hc_log_info(&job->log,
+              "step %lld, t = %g s: shock: %s; v_max %.4g m/s, force_max %.4g m/s2; back %d step%s to step "
+              "%lld, t = %g s, restart %lld: time step %.4g s -> %.4g s",
+              (long long)simulation->step + rollback->back, guard->shock.time, what, rollback->v_max,
+              rollback->force_max, rollback->back, rollback->back == 1 ? "" : "s",
+              (long long)simulation->step, simulation->time, (long long)guard->restarts, guard->shock.dt,
+              guard->next);
+  if (job->comm->rank == 0 &&
+      hc_run_dir_cut(job->directory, simulation->step, job->counts.snapshots, error) == HC_OK)
+    hc_tables_cut(&job->tables, simulation->step, job->counts.gauge_time, error);
+  return hc_comm_agree(job->comm, error);
 }
 
 static hc_timings_spread spread(hc_comm *comm, double value) {
@@ -164,6 +184,8 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
                               .rebalance_seconds = simulation->balance.seconds,
                               .moved_particles = simulation->balance.moved,
                               .imbalance = hc_balance_mean_imbalance(&simulation->balance),
+                              .rollbacks = simulation->rollback.guard.rollbacks,
+                              .rollback_steps = simulation->rollback.guard.steps,
                               .ghosts = spread(job->comm, world->fluid.ghosts + world->boundary.ghosts),
                               .private_bytes = spread(job->comm, (double)hc_memory_private()),
                               .memory_bytes = spread(job->comm, (double)hc_memory_peak()),
@@ -178,6 +200,9 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
   hc_log_info(&job->log, "iteration caps hit: density solver %lld, divergence solver %lld of %lld steps",
               (long long)job->counts.density_caps, (long long)job->counts.divergence_caps,
               (long long)simulation->step);
+  if (hc_rollback_is_on(simulation))
+    hc_log_info(&job->log, "rollbacks: %lld, which took back %lld steps",
+                (long long)simulation->rollback.guard.rollbacks, (long long)simulation->rollback.guard.steps);
   for (int k = 0; k < simulation->emitters.count; k++) {
     const hc_emitter *emitter = &simulation->emitters.emitters[k];
     hc_log_info(&job->log, "%s: %lld particles in %lld layers, %lld left out for want of room",

@@ -160,17 +160,20 @@ hc_status hc_job_write_checkpoint(hc_job *job, hc_error *error) {
   hc_simulation *simulation = &job->simulation;
   hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
   const double begin = hc_seconds();
-  const hc_snapshot moment = hc_simulation_snapshot(simulation);
   int64_t bytes = 0;
   hc_tables_sync(&job->tables, error); /* rows of steps that the checkpoint has done must be there with it */
   if (hc_comm_agree(job->comm, error) != HC_OK) return error->status;
-  if (hc_checkpoint_write(job->comm, &moment, &simulation->state, hc_isa_name(simulation->isa),
-                          job->directory, job->scene->output.checkpoints_keep, &bytes, error) != HC_OK)
-    return error->status;
+  hc_state_copy now = {.full = false};
+  hc_rollback_show_resumable(simulation, &now);
+  const hc_snapshot moment = hc_simulation_snapshot(simulation);
+  hc_checkpoint_write(job->comm, &moment, &simulation->state, hc_isa_name(simulation->isa), job->directory,
+                      job->scene->output.checkpoints_keep, &bytes, error);
+  hc_rollback_show_now(simulation, &now);
+  if (error->status != HC_OK) return error->status;
   job->last_checkpoint = hc_seconds();
   job->checkpoint_seconds = job->last_checkpoint - begin;
   hc_log_info(&job->log, "step %" PRId64 ", t = %g s: checkpoint of %.4g MB in %.3g s (%.3g MB/s)",
-              simulation->step, simulation->time, 1e-6 * (double)bytes, job->checkpoint_seconds,
+              moment.step, moment.time, 1e-6 * (double)bytes, job->checkpoint_seconds,
               1e-6 * (double)bytes / job->checkpoint_seconds);
   return HC_OK;
 }

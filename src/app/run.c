@@ -162,6 +162,9 @@ static void judge_step(hc_job *job, char *event, size_t size) {
                 100.0 * HC_JOB_MOST_COMPRESSION);
   }
   tell_departures(job, event, size);
+  if (simulation->rollback.before > 0)
+    snprintf(event + strlen(event), size - strlen(event), "%srollback:%lld", event[0] ? "+" : "",
+             (long long)simulation->rollback.before);
   tell_blocked(job, event, size);
   if (job->counts.shortest_step == 0.0 || simulation->dt < job->counts.shortest_step)
     job->counts.shortest_step = simulation->dt;
@@ -184,7 +187,8 @@ static hc_progress_sample progress_sample(const hc_job *job, const hc_job_load *
 /* One step with its due outputs: rows, snapshot, gauges. */
 typedef struct done {
   hc_job_load load;
-  double wall_seconds;
+  double wall_seconds;   /* what was taken back before it not counted */
+  bool taken_back;       /* there is no step */
   bool snapshot, gauges; /* written */
 } done;
 
@@ -194,6 +198,8 @@ static hc_status step_and_report(hc_job *job, done *done, hc_error *error) {
   const int64_t bytes_before = job->comm->bytes_sent;
   if (hc_simulation_step(simulation, error) != HC_OK)
     return hc_failure_snapshot(simulation, job->directory, error);
+  done->taken_back = simulation->rollback.back > 0;
+  if (done->taken_back) return hc_job_take_back(job, error);
   hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
   hc_gauges_step(&job->gauges, &simulation->world.sweep, simulation->dt);
   const double active_boundary = hc_world_active_boundary(&simulation->world);
@@ -203,7 +209,7 @@ static hc_status step_and_report(hc_job *job, done *done, hc_error *error) {
                         (long long)simulation->step, (long long)done->load.fluid,
                         (long long)simulation->world.fluid_total);
   job->particle_steps += (double)done->load.fluid;
-  char event[64];
+  char event[128];
   judge_step(job, event, sizeof event);
   hc_explain_time_step(&job->explained, simulation, &job->log);
   if (simulation->rebalanced)
@@ -245,17 +251,21 @@ static void say_end(const hc_job *job, const hc_job_load *load) {
          job->stopped ? "; go on with --restart" : "");
 }
 
-/* Steps until the end, or until a signal, --walltime or --steps ask for a stop; at least one step, so that
- * restarts get on. The last state is in a checkpoint too, which comes after all other files of its moment. */
+/* Steps until the end, or until a signal, --walltime or --steps ask for a stop; at least one step more than
+ * checkpoints lag behind, so that restarts get on. The last state is in a checkpoint too, which comes after
+ * all other files of its moment. */
 static hc_status run_steps(hc_job *job, hc_error *error) {
   hc_simulation *simulation = &job->simulation;
   job->started = job->last_checkpoint = hc_seconds();
   done done = {.load = measure_load(job, job->comm->bytes_sent)};
   bool last = hc_job_is_over(job);
+  int owed = hc_rollback_is_on(simulation) ? 2 : 1;
   while (!last) {
     if (step_and_report(job, &done, error) != HC_OK) return error->status;
+    if (done.taken_back) continue;
+    owed -= owed > 0;
     const bool over = hc_job_is_over(job);
-    job->stopped = !over && (done.load.signal || done.load.out_of_time);
+    job->stopped = !over && owed == 0 && (done.load.signal || done.load.out_of_time);
     last = over || job->stopped;
     const bool checkpoint = last || checkpoint_due(job, &done.load);
     const double begin = hc_seconds();

@@ -19,6 +19,12 @@ static const hc_boundary_ops *boundary_of(hc_boundary_method method) {
   switch (method) {
   case HC_BOUNDARY_AKINCI2012:
     return &hc_boundary_akinci2012;
+  case HC_BOUNDARY_IHMSEN2010:
+    return &hc_boundary_ihmsen2010;
+  case HC_BOUNDARY_BECKER2009:
+    return &hc_boundary_becker2009;
+  case HC_BOUNDARY_HARADA2007:
+    return &hc_boundary_harada2007;
   }
   return NULL;
 }
@@ -27,6 +33,8 @@ static const hc_solver_ops *solver_of(hc_solver_method method) {
   switch (method) {
   case HC_SOLVER_DFSPH:
     return &hc_solver_dfsph;
+  case HC_SOLVER_PCISPH:
+    return &hc_solver_pcisph;
   }
   return NULL;
 }
@@ -81,11 +89,62 @@ static double sound_speed(const hc_scene *scene) {
              : fmax(default_sound_speed(scene), emitted_sound_speed(scene));
 }
 
+/* Of all blocks together, along gravity, m; 0 without gravity. */
+static double fluid_height(const hc_scene *scene, double gravity) {
+  double low = INFINITY, high = -INFINITY;
+  for (int block = 0; block < scene->fluid.block_count && gravity > 0.0; block++) {
+    const hc_box box = hc_source_block_bounds(&scene->fluid.blocks[block]);
+    double ends[2] = {0.0, 0.0};
+    for (int axis = 0; axis < 3; axis++) {
+      const double down = scene->gravity[axis] / gravity;
+      ends[down < 0.0] += down * box.min[axis];
+      ends[down >= 0.0] += down * box.max[axis];
+    }
+    low = fmin(low, ends[0]);
+    high = fmax(high, ends[1]);
+  }
+  return high > low ? high - low : 0.0;
+}
+
+static hc_adaptive_settings adaptive_settings_of(const hc_scene *scene) {
+  const hc_time_adaptive *a = &scene->time_step.adaptive;
+  const double error_avg = scene->solver.density_error_avg, error_max = scene->solver.density_error_max,
+               gravity = hc_simulation_start_report(scene, 0.0).force_max;
+  return (hc_adaptive_settings){
+      .error_avg = error_avg,
+      .error_max = error_max > 0.0 ? error_max : 10.0 * error_avg,
+      .change = a->change,
+      .grow = {a->grow.force, a->grow.velocity, a->grow.error_max, a->grow.error_avg},
+      .shrink = {a->shrink.force, a->shrink.velocity, a->shrink.error_max, a->shrink.error_avg},
+      .shock_rise = a->shock.error_rise > 0.0 ? a->shock.error_rise : 5.0 * error_avg,
+      .shock_velocity = a->shock.velocity,
+      .restart_force = a->restart.force,
+      .restart_velocity = a->restart.velocity,
+      .restart_share = a->restart.share,
+      .most_restarts = a->restart.most,
+      .first_velocity = a->first.velocity,
+      .first_depth = a->first.depth,
+      .gravity = gravity,
+      .depth = fluid_height(scene, gravity)};
+}
+
+static hc_step_control control_of(hc_time_control control) {
+  switch (control) {
+  case HC_TIME_CONSTANT:
+    return HC_STEP_CONSTANT;
+  case HC_TIME_CFL:
+    return HC_STEP_CFL;
+  case HC_TIME_ADAPTIVE:
+    return HC_STEP_ADAPTIVE;
+  }
+  return HC_STEP_CFL;
+}
+
 hc_step_settings hc_step_settings_of(const hc_scene *scene) {
   const bool laminar = scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR;
   const double coefficient = scene->fluid.viscosity.coefficient;
   return (hc_step_settings){
-      .control = scene->time_step.control == HC_TIME_CONSTANT ? HC_STEP_CONSTANT : HC_STEP_CFL,
+      .control = control_of(scene->time_step.control),
       .size = scene->time_step.size,
       .max = scene->time_step.max,
       .min = scene->time_step.min,
@@ -95,7 +154,22 @@ hc_step_settings hc_step_settings_of(const hc_scene *scene) {
       /* artificial: the kinematic viscosity it amounts to in three dimensions, alpha h c / 10 (Monaghan 2005)
        */
       .viscosity = laminar ? coefficient : 0.1 * coefficient * scene->support_radius * sound_speed(scene),
-      .end_time = scene->end_time};
+      .end_time = scene->end_time,
+      .adaptive = adaptive_settings_of(scene)};
+}
+
+/* What PCISPH reads besides. */
+static void choose_prediction(const hc_scene *scene, hc_solver_settings *solver) {
+  const double h = scene->support_radius, ratio = scene->particle_spacing / h;
+  solver->density_error_max = scene->solver.density_error_max > 0.0 ? scene->solver.density_error_max
+                                                                    : 10.0 * scene->solver.density_error_avg;
+  solver->gradient_square = hc_setup_rest_lattice_gradient(ratio) / pow(h, 8.0);
+  solver->shepard = scene->solver.density_correction == HC_CORRECTION_SHEPARD;
+  solver->friction = scene->boundary.friction;
+  solver->elasticity = scene->boundary.elasticity;
+  const double volume = scene->fluid.mass_factor / hc_setup_rest_lattice_sum(ratio); /* in h3 */
+  for (int k = 0; k <= HC_WALL_WEIGHTS; k++)
+    solver->wall_weights[k] = (float)(volume * hc_setup_half_space(ratio, (double)k / HC_WALL_WEIGHTS));
 }
 
 static void choose_settings(hc_simulation *simulation) {
@@ -116,6 +190,9 @@ static void choose_settings(hc_simulation *simulation) {
                                  .min_divergence_neighbors = scene->solver.min_divergence_neighbors,
                                  .negative_pressure = scene->solver.negative_pressure};
   memcpy(solver->gravity, scene->gravity, sizeof solver->gravity);
+  if (scene->fluid.surface_tension.model == HC_TENSION_BECKER2007)
+    solver->surface_tension = scene->fluid.surface_tension.coefficient;
+  if (scene->solver.method == HC_SOLVER_PCISPH) choose_prediction(scene, solver);
   simulation->solver = solver_of(scene->solver.method);
 
   simulation->step_settings = hc_step_settings_of(scene);
@@ -141,7 +218,12 @@ static hc_status check_memory(hc_comm *comm, const hc_scene *scene, const hc_set
 
 double hc_simulation_settle_step(const hc_scene *scene) {
   if (scene->fluid.settle_steps == 0) return 0.0;
-  return scene->time_step.control == HC_TIME_CONSTANT ? scene->time_step.size : scene->time_step.max;
+  if (scene->time_step.control == HC_TIME_CONSTANT) return scene->time_step.size;
+  if (scene->time_step.control == HC_TIME_CFL) return scene->time_step.max;
+  const hc_step_settings settings = hc_step_settings_of(scene);
+  const hc_step_report still = {.v_max = 0.0};
+  hc_step_bound unused;
+  return hc_time_step_next(&settings, 0.0, 0.0, &still, &unused);
 }
 
 /* How far ahead what is prescribed is looked at: no step is longer. */
@@ -152,6 +234,10 @@ static double longest_step(const hc_scene *scene) {
 /* Puts moving walls where they stand now. */
 static void pose_walls(hc_simulation *simulation, bool held) {
   hc_world_pose_walls(&simulation->world, simulation->time, longest_step(simulation->scene), held);
+}
+
+void hc_simulation_pose_walls(hc_simulation *simulation) {
+  pose_walls(simulation, false);
 }
 
 double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_prescribed_motions *motions,
@@ -214,9 +300,9 @@ hc_step_report hc_simulation_start_report(const hc_scene *scene, double v2_max) 
 }
 
 /* Gives the fields that steps derive a meaning in the first snapshot too. */
-static void fill_derived(hc_world *world) {
-  hc_particles *fluid = &world->fluid;
-  world->sweeps->density(&world->sweep, 0, fluid->own);
+static void fill_derived(hc_simulation *simulation) {
+  hc_particles *fluid = &simulation->world.fluid;
+  simulation->solver->densities(&simulation->world, &simulation->solver_settings);
   memset(fluid->pressure, 0, (size_t)fluid->own * sizeof *fluid->pressure);
   memset(fluid->acceleration, 0, 3 * (size_t)fluid->own * sizeof *fluid->acceleration);
 }
@@ -232,6 +318,32 @@ static void register_state(hc_simulation *simulation) {
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->capped_at, "capped_at");
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->world.fluid_total, "fluid_total");
   hc_emitters_register(&simulation->emitters, state);
+  hc_rollback_register(simulation);
+}
+
+/* Fluid that is squeezed from the start, as too near to a wall, explodes: the pressure that pushes it apart
+ * in one step knows no bounds. PCISPH is told how much it may be. Collective. */
+static hc_status refuse_dense_start(hc_simulation *simulation, hc_error *error) {
+  const hc_particles *fluid = &simulation->world.fluid;
+  const hc_frame *frame = &simulation->world.frame;
+  if (simulation->scene->solver.method != HC_SOLVER_PCISPH) return HC_OK;
+  int32_t worst = 0;
+  for (int32_t k = 1; k < fluid->own; k++)
+    if (fluid->density[k] > fluid->density[worst]) worst = k;
+  double density = fluid->own > 0 ? (double)fluid->density[worst] : 0.0;
+  const double most = simulation->solver_settings.density_error_max;
+  const double own = density / simulation->scene->fluid.rest_density - 1.0;
+  hc_comm_max_f64(simulation->comm, &density, 1);
+  if (own > most && density == (double)fluid->density[worst])
+    hc_error_set(error, HC_BAD_INPUT,
+                 "the fluid at (%.6g, %.6g, %.6g) m is %.3g %% too dense at the start, "
+                 "solver.density_error_max allows "
+                 "%.3g %%: fluid lattices must not overlap, and keep half a spacing from walls",
+                 hc_frame_to_metres(frame, 0, fluid->position[3 * (size_t)worst]),
+                 hc_frame_to_metres(frame, 1, fluid->position[3 * (size_t)worst + 1]),
+                 hc_frame_to_metres(frame, 2, fluid->position[3 * (size_t)worst + 2]), 100.0 * own,
+                 100.0 * most);
+  return hc_comm_agree(simulation->comm, error);
 }
 
 /* What is known of the particles before there are any. Agreed. */
@@ -280,7 +392,8 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
 hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   if (fill_world(simulation, error) != HC_OK) return error->status;
-  fill_derived(world);
+  fill_derived(simulation);
+  if (refuse_dense_start(simulation, error) != HC_OK) return error->status;
   simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
   double v2_max = hc_simulation_fastest(&world->fluid);
   hc_comm_max_f64(simulation->comm, &v2_max, 1);
@@ -307,6 +420,7 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
 
 void hc_simulation_free(hc_simulation *simulation) {
   hc_setup_plan_free(&simulation->plan);
+  hc_state_history_free(&simulation->rollback.history);
   hc_prescribed_motions_free(&simulation->motions);
   hc_emitters_free(&simulation->emitters);
   hc_state_free(&simulation->state);
@@ -317,15 +431,39 @@ bool hc_simulation_done(const hc_simulation *simulation) {
   return simulation->time >= simulation->scene->end_time;
 }
 
+/* Bodies will raise v_max here too. */
+hc_step_report hc_simulation_seen_by_control(const hc_simulation *simulation) {
+  hc_step_report report = simulation->report;
+  report.v_max = fmax(report.v_max, simulation->world.moving.speed);
+  report.v_max = fmax(report.v_max, hc_emitters_speed(&simulation->emitters, simulation->time,
+                                                      longest_step(simulation->scene)));
+  return report;
+}
+
+static double choose_step(hc_simulation *simulation) {
+  const hc_step_settings *settings = &simulation->step_settings;
+  const double replay = hc_rollback_next(simulation);
+  const hc_step_report seen = hc_simulation_seen_by_control(simulation);
+  if (replay == 0.0)
+    return hc_time_step_next(settings, simulation->time, simulation->dt, &seen, &simulation->bound);
+  simulation->bound = HC_BOUND_SHOCK;
+  return hc_time_step_to_end(settings, simulation->time, replay, &simulation->bound);
+}
+
 /* The step itself: the solver's, between the watches over its length and over the world's limits. */
 static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) {
   hc_world *world = &simulation->world;
   hc_fault *fault = &simulation->report.fault;
-  if (hc_time_step_too_small(&simulation->step_settings, simulation->time, dt)) {
-    fill_derived(world);
+  const bool gave_up = hc_rollback_gave_up(simulation);
+  if (gave_up || hc_time_step_too_small(&simulation->step_settings, simulation->time, dt)) {
+    fill_derived(simulation);
     hc_fault_note(fault, HC_FAULT_TIME_STEP, -1.0, INT64_MAX); /* also where no particle is left */
     hc_fault_watch_fastest(world, HC_FAULT_TIME_STEP, fault);
-    return hc_fault_agree(world->comm, dt, fault, error);
+    hc_fault_agree(world->comm, dt, fault, error);
+    if (gave_up)
+      hc_error_set(error, HC_FAILED, "a shock came again in each of %d replays",
+                   simulation->step_settings.adaptive.most_restarts);
+    return error->status;
   }
   if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
                                error) != HC_OK)
@@ -353,19 +491,10 @@ static void meet(hc_simulation *simulation) {
   hc_world_update(world);
 }
 
-/* The report that the next step's length follows from: prescribed speeds are speeds too. */
-static hc_step_report with_prescribed(hc_simulation *simulation) {
-  hc_step_report report = simulation->report;
-  simulation->prescribed =
-      fmax(simulation->world.moving.speed,
-           hc_emitters_speed(&simulation->emitters, simulation->time, longest_step(simulation->scene)));
-  report.v_max = fmax(report.v_max, simulation->prescribed);
-  return report;
-}
-
 hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   const hc_step_report before = simulation->report;
+  hc_rollback_remember(simulation);
   simulation->departures.count = 0;
   if (simulation->step > 0) {
     if (simulation->scene->domain.leaving == HC_LEAVING_REMOVE)
@@ -375,18 +504,19 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   }
   hc_balance_start(&simulation->balance, simulation->comm);
   meet(simulation);
-  const hc_step_report known = with_prescribed(simulation);
-  const double dt = hc_time_step_next(&simulation->step_settings, simulation->time, simulation->dt, &known,
-                                      &simulation->bound);
-  if (advance(simulation, dt, error) != HC_OK) {
+  const double dt = choose_step(simulation);
+  advance(simulation, dt, error);
+  hc_balance_stop(&simulation->balance, simulation->comm);
+  if (hc_rollback_if_shock(simulation, dt, &before, error)) return HC_OK;
+  if (error->status != HC_OK) {
     hc_failure_explain(simulation, dt, &before, error);
     return error->status;
   }
-  hc_balance_stop(&simulation->balance, simulation->comm);
   simulation->dt = dt;
   simulation->step++;
   simulation->time = simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
   if (simulation->report.density_capped) simulation->capped_at = simulation->step;
+  hc_rollback_pass(simulation);
   pose_walls(simulation, false);
   return HC_OK;
 }

@@ -5,6 +5,7 @@
 #include "balance.h"
 #include "io/snapshot.h"
 #include "leaving.h"
+#include "rollback.h"
 #include "scene/scene.h"
 #include "setup/populate.h"
 #include "setup/prescribed.h"
@@ -29,14 +30,14 @@ typedef struct hc_simulation {
   hc_limits limits;              /* of the world */
   hc_prescribed_motions motions; /* of walls */
   hc_emitters emitters;
-  double prescribed;        /* m/s: the largest speed of walls and emitters, as the last step was chosen */
   int64_t emitted, blocked; /* particles that emitters brought in, and left out, as the last step began */
   hc_departures departures; /* taken out as the last step began */
   int64_t capped_at;        /* the last step in which the density solver was at its cap; 0: none */
   double imbalance;         /* largest over mean number of own fluid particles at the start */
   hc_balance balance;
-  bool rebalanced; /* in the last step */
-  hc_state state;  /* all that the next step reads; callers may add what is theirs */
+  bool rebalanced;      /* in the last step */
+  hc_rollback rollback; /* of the last call, and what the next may go back to */
+  hc_state state;       /* all that the next step reads; callers may add what is theirs */
 } hc_simulation;
 
 /* Makes the particles of a scene, spreads them over the ranks and finds their first neighbourhoods.
@@ -59,11 +60,20 @@ void hc_simulation_free(hc_simulation *simulation);
 /* Has the run reached its end time? */
 bool hc_simulation_done(const hc_simulation *simulation);
 
-/* One step. Particles that have left the world are taken out first, if the scene says so. Collective.
+/* One step. Particles that have left the world are taken out first, if the scene says so. With adaptive steps
+ * it may take a step or two back instead: rollback.back says how many, and step, time and all state are those
+ * of then. Collective.
  * HC_FAILED (agreed) if the simulation diverged or a particle left the world: the message names the particle,
  * its place and the likely cause, report.fault the fault; nothing but a snapshot of the moment makes sense
  * afterwards. */
 hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error);
+
+/* Puts moving walls where they stand at simulation->time; hc_world_update must follow. Collective. */
+void hc_simulation_pose_walls(hc_simulation *simulation);
+
+/* The last report as the choice of the next step sees it: v_max counts all that moves, not only the fluid.
+ * Local. */
+hc_step_report hc_simulation_seen_by_control(const hc_simulation *simulation);
 
 /* The time step with which the start of a scene settles, s; 0 if it does not. Local. */
 double hc_simulation_settle_step(const hc_scene *scene);

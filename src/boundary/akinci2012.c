@@ -15,9 +15,12 @@
  * thrown out. Fluid at rest stays a spacing away and never notices. */
 #include "boundary.h"
 
+#include <string.h>
+
 static void prepare(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
                     const hc_neighbors *list, double factor) {
   sweeps->boundary_volume(sweep, boundary, list, (float)factor);
+  memset(boundary->boundary_share, 0, (size_t)boundary->own * sizeof *boundary->boundary_share);
 }
 
 static int64_t contact(hc_particles *fluid, double rest_density, double limit, double dt) {
@@ -46,4 +49,4 @@ static int64_t contact(hc_particles *fluid, double rest_density, double limit, d
   return held;
 }
 
-const hc_boundary_ops hc_boundary_akinci2012 = {"akinci2012", prepare, contact};
+const hc_boundary_ops hc_boundary_akinci2012 = {"akinci2012", HC_WALLS_MIRRORED, prepare, contact, NULL};

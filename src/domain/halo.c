@@ -198,6 +198,12 @@ static int compare_halo_cells(const void *a, const void *b) {
   return memcmp(p->shift, q->shift, sizeof p->shift);
 }
 
+/* What to add to the low words of positions in a copy of a cell. */
+static void shift_of(const hc_halo *halo, const hc_halo_cell *cell, uint32_t shift[3]) {
+  for (int axis = 0; axis < 3; axis++)
+    shift[axis] = (uint32_t)(uint64_t)(cell->shift[axis] * halo->domain->frame->period[axis]);
+}
+
 static char *write_cell(const hc_halo *halo, const hc_cells *cells, const hc_halo_cell *cell, char *to) {
   const hc_frame *frame = halo->domain->frame;
   const int32_t brick = cell->slot / HC_BRICK_CELLS;
@@ -205,13 +211,13 @@ static char *write_cell(const hc_halo *halo, const hc_cells *cells, const hc_hal
   const int parts[3] = {part & 3, part >> HC_BRICK_BITS & 3, part >> (2 * HC_BRICK_BITS)};
   cell_header header = {.count = cells->count[brick][part]};
   uint32_t shift[3];
+  shift_of(halo, cell, shift);
   for (int axis = 0; axis < 3; axis++) {
     const int64_t units = cell->shift[axis] * frame->period[axis];
     const int64_t global =
         (int64_t)cells->bricks.bricks[brick].x[axis] * HC_BRICK_EDGE + parts[axis] + hc_frame_cell(units);
     header.brick.x[axis] = (int32_t)(global >> HC_BRICK_BITS);
     header.cell |= (int32_t)(global & (HC_BRICK_EDGE - 1)) << (axis * HC_BRICK_BITS);
-    shift[axis] = (uint32_t)(uint64_t)units;
   }
   memcpy(to, &header, sizeof header);
   to += sizeof header;
@@ -324,14 +330,26 @@ static size_t field_bytes(hc_halo_field field) {
   return field == HC_HALO_PLACE_SCALAR ? 4 : sizeof(hc_record);
 }
 
-/* Writes the field of particles [begin, begin + count) and returns where the next goes. */
-static char *pack_cell(char *to, const hc_particles *particles, hc_halo_field field, int32_t begin,
-                       int32_t count) {
-  if (field == HC_HALO_MOTION) {
-    memcpy(to, particles->motion + begin, (size_t)count * sizeof *particles->motion);
-  } else {
+static hc_record *records_of(const hc_particles *particles, hc_halo_field field) {
+  return field == HC_HALO_MOTION   ? particles->motion
+         : field == HC_HALO_FACING ? particles->facing
+                                   : particles->place;
+}
+
+/* Writes the field of particles [begin, begin + count), places moved by `shift`, and returns where the next
+ * goes. */
+static char *pack_cell(char *to, const hc_particles *particles, hc_halo_field field, const uint32_t shift[3],
+                       int32_t begin, int32_t count) {
+  if (field == HC_HALO_PLACE_SCALAR) {
     float *scalars = (float *)(void *)to;
     for (int32_t k = 0; k < count; k++) scalars[k] = particles->place[begin + k].scalar;
+  } else {
+    hc_record *records = (hc_record *)(void *)to;
+    memcpy(records, records_of(particles, field) + begin, (size_t)count * sizeof *records);
+    if (field == HC_HALO_PLACE && (shift[0] | shift[1] | shift[2]))
+      for (int32_t k = 0; k < count; k++)
+        for (int axis = 0; axis < 3; axis++)
+          records[k].x[axis] = (int32_t)((uint32_t)records[k].x[axis] + shift[axis]);
   }
   return to + (size_t)count * field_bytes(field);
 }
@@ -343,7 +361,9 @@ static void pack(hc_halo *halo) {
     for (int32_t k = halo->send_begin[partner]; k < halo->send_begin[partner + 1]; k++) {
       const int32_t brick = halo->cells[k].slot / HC_BRICK_CELLS;
       const int cell = halo->cells[k].slot % HC_BRICK_CELLS;
-      to = pack_cell(to, halo->particles, halo->field, halo->source->begin[brick][cell],
+      uint32_t shift[3];
+      shift_of(halo, &halo->cells[k], shift);
+      to = pack_cell(to, halo->particles, halo->field, shift, halo->source->begin[brick][cell],
                      halo->source->count[brick][cell]);
     }
     halo->send[partner].bytes = (size_t)(to - (char *)halo->send[partner].data);
@@ -352,9 +372,9 @@ static void pack(hc_halo *halo) {
 
 static void unpack(const hc_halo *halo) {
   const hc_particles *particles = halo->particles;
-  if (halo->field == HC_HALO_MOTION) {
-    memcpy(particles->motion + particles->own, halo->receive_buffer,
-           (size_t)particles->ghosts * sizeof *particles->motion);
+  if (halo->field != HC_HALO_PLACE_SCALAR) {
+    hc_record *ghosts = records_of(particles, halo->field) + particles->own;
+    if (particles->ghosts) memcpy(ghosts, halo->receive_buffer, (size_t)particles->ghosts * sizeof *ghosts);
     return;
   }
   const float *scalars = (const float *)(const void *)halo->receive_buffer;

@@ -15,7 +15,9 @@
 /* What a refresh carries. */
 typedef enum hc_halo_field {
   HC_HALO_PLACE_SCALAR, /* place.scalar: a multiplier of the pressure solvers, a boundary volume */
-  HC_HALO_MOTION        /* motion: velocity and 1/density */
+  HC_HALO_PLACE,        /* place: predicted positions, within a support radius of the true ones; its scalar */
+  HC_HALO_MOTION,       /* motion: velocity and 1/density */
+  HC_HALO_FACING        /* facing: a boundary particle's normal */
 } hc_halo_field;
 
 /* A border cell and a partner that gets a copy of it. */

@@ -1,6 +1,7 @@
 #include "measures.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The cubic spline's shape (sph/sweeps.h), 0 for q >= 1. */
 static double shape(double q) {
@@ -141,32 +142,73 @@ static void add_push(const hc_gauges *gauges, const push *push, hc_sum *sums) {
   }
 }
 
-/* The pressure force that the step put on walls is that of its velocity changes: m/rho0 p V_b grad W a pair.
- */
+/* A particle and a sample: their distance in support radii, and where the sample is. */
+typedef struct pair {
+  double d[3], q;
+  double at[3];
+} pair;
+
+static pair make_pair(const hc_gauges *gauges, const hc_sweep *sweep, double back, int32_t i, int32_t b) {
+  const hc_particles *fluid = sweep->fluid;
+  pair pair;
+  for (int axis = 0; axis < 3; axis++) {
+    const int32_t units =
+        (int32_t)((uint32_t)fluid->place[i].x[axis] - (uint32_t)sweep->boundary->place[b].x[axis]);
+    pair.d[axis] = (double)units * sweep->scale[axis];
+    pair.at[axis] = hc_frame_to_metres(gauges->frame, axis, fluid->position[3 * (size_t)i + axis]) -
+                    back * fluid->velocity[3 * (size_t)i + axis] - (double)units * gauges->frame->unit[axis];
+  }
+  pair.q = length(pair.d);
+  return pair;
+}
+
+/* What of a particle's pressure and a sample's acts between them, by how walls take part: times m/rho0 grad W
+ * a force. */
+static double strength(const hc_sweep *sweep, int32_t i, int32_t b) {
+  const hc_particles *fluid = sweep->fluid, *boundary = sweep->boundary;
+  switch (sweep->walls_add) {
+  case HC_WALLS_MIRRORED:
+    return (double)fluid->pressure[i] * (double)boundary->place[b].scalar;
+  case HC_WALLS_PRESSURE:
+    return (double)sweep->rest_density * sweep->volume *
+           ((double)fluid->place[i].scalar + (double)boundary->place[b].scalar);
+  case HC_WALLS_NOTHING:
+  case HC_WALLS_DISTANCE:
+    break;
+  }
+  return 0.0;
+}
+
+/* How much of a contact a sample takes. */
+static double share(double q) {
+  return fmax(0.0, 1.0 - q);
+}
+
+/* The force that the step put on walls is that of its velocity changes: m/rho0 p V_b grad W a pair, and the
+ * momentum that contacts took, shared out among the samples that are near. Where contacts are rigid the
+ * places are those of the step's end, else of its beginning. */
 void hc_measure_wall_push(const hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_sum *sums) {
   const hc_particles *fluid = sweep->fluid, *boundary = sweep->boundary;
   const hc_neighbors *walls = sweep->walls;
+  const double back = sweep->contacts ? 0.0 : dt;
+  const double of_contact = -(double)sweep->rest_density * sweep->volume / dt;
   for (int32_t i = 0; i < fluid->own; i++) {
-    if (walls->count[i] == 0 || fluid->pressure[i] == 0.0f) continue;
-    const double strength = (double)fluid->pressure[i] * sweep->volume * sweep->gradient;
+    if (walls->count[i] == 0) continue;
     const uint32_t *offset = walls->offset + (size_t)walls->start[i] * HC_LIST_GROUP;
+    double shares = 0.0;
+    for (int32_t k = 0; sweep->contacts && k < walls->count[i]; k++)
+      shares += share(make_pair(gauges, sweep, back, i, (int32_t)(offset[k] / sizeof(hc_record))).q);
     for (int32_t k = 0; k < walls->count[i]; k++) {
       const int32_t b = (int32_t)(offset[k] / sizeof(hc_record));
-      double d[3], square = 0.0;
+      const pair pair = make_pair(gauges, sweep, back, i, b);
       push push = {.wall = (int)boundary->wall[b]};
-      for (int axis = 0; axis < 3; axis++) {
-        const int32_t units =
-            (int32_t)((uint32_t)fluid->place[i].x[axis] - (uint32_t)boundary->place[b].x[axis]);
-        d[axis] = (double)units * sweep->scale[axis];
-        square += d[axis] * d[axis];
-        push.at[axis] = hc_frame_to_metres(gauges->frame, axis, fluid->position[3 * (size_t)i + axis]) -
-                        dt * fluid->velocity[3 * (size_t)i + axis] -
-                        (double)units * gauges->frame->unit[axis];
-      }
-      const double q = sqrt(square);
-      if (q >= 1.0) continue;
-      const double factor = strength * (double)boundary->place[b].scalar * slope_over_q(q);
-      for (int axis = 0; axis < 3; axis++) push.force[axis] = factor * d[axis];
+      memcpy(push.at, pair.at, sizeof push.at);
+      const double pressure = pair.q < 1.0 ? strength(sweep, i, b) * sweep->volume * sweep->gradient : 0.0;
+      const double contact = shares > 0.0 ? of_contact * share(pair.q) / shares : 0.0;
+      if (pressure == 0.0 && contact == 0.0) continue;
+      for (int axis = 0; axis < 3; axis++)
+        push.force[axis] = (pressure != 0.0 ? pressure * slope_over_q(pair.q) * pair.d[axis] : 0.0) +
+                           (contact != 0.0 ? contact * (double)sweep->contacts[i].v[axis] : 0.0);
       add_push(gauges, &push, sums);
     }
   }

@@ -70,26 +70,43 @@ static void add_rings(work *w, double radius, double height, double rise, double
   hc_sampling_add_run(&w->sampling, &ring);
 }
 
-/* Rings from the middle to the rim of a disc. */
-static void add_disc(work *w, double radius, double height, bool with_rim) {
-  const double steps = rint(radius / w->spacing);
-  if (too_many(w, steps)) return;
-  for (double j = 0; j < steps; j++) add_rings(w, radius * j / steps, height, 0, 1);
-  if (with_rim) add_rings(w, radius, height, 0, 1);
+/* Rings about the middle of a disc: `count` of the `steps` + 1 up to `radius`. */
+static void add_disc(work *w, double radius, double height, double steps, double count) {
+  for (double j = 0; j < count; j++) add_rings(w, steps > 0 ? radius * j / steps : radius, height, 0, 1);
 }
 
-static void add_cylinder(work *w, const hc_shape *layer, bool solid) {
+/* Around a cylinder of fluid: the layers go around the rim. */
+static void add_container(work *w, double length, double rows, int layers) {
+  const double radius = w->shape->high[0] / w->unit, low = w->shape->low[1] / w->unit,
+               high = w->shape->high[1] / w->unit;
+  const double first = radius + 0.5 * w->spacing, steps = rint(first / w->spacing);
+  if (too_many(w, steps)) return;
+  for (int side = 0; side < layers; side++)
+    add_rings(w, first + side * w->spacing, 0.5 * (length / rows - length), length / rows, rows);
+  for (int end = 0; end < 2; end++)
+    for (int layer = 0; layer < layers && !(w->shape->open >> (2 + end) & 1); layer++) {
+      const double behind = (0.5 + layer) * w->spacing, height = end ? high + behind : low - behind;
+      add_disc(w, first, height, steps, steps);
+      for (int side = 0; side < layers; side++) add_rings(w, first + side * w->spacing, height, 0, 1);
+    }
+}
+
+/* Within a cylinder: of all its rings and rows the outer ones. */
+static void add_solid(work *w, const hc_shape *layer, double length, double rows, int layers) {
   const double radius = layer->high[0] / w->unit, low = layer->low[1] / w->unit,
                high = layer->high[1] / w->unit;
-  const double length = (w->shape->high[1] - w->shape->low[1]) / w->unit;
-  const double rows = nearest(length / w->spacing);
-  const bool bottom = !(w->shape->open & 4), top = !(w->shape->open & 8);
-  if (!solid)
-    add_rings(w, radius, 0.5 * (length / rows - length), length / rows, rows);
-  else
-    add_rings(w, radius, low, rows > 1 ? (high - low) / (rows - 1) : 0, rows);
-  if (bottom) add_disc(w, radius, low, !solid);
-  if (top && !(solid && rows == 1 && bottom)) add_disc(w, radius, high, !solid);
+  const double steps = rint(radius / w->spacing), pitch = rows > 1 ? (high - low) / (rows - 1) : 0;
+  if (too_many(w, steps)) return;
+  const double across = 2 * w->shape->high[0] / w->unit / w->spacing;
+  const double sides = fmin(hc_sampling_layers_within(across, layers), steps + 1);
+  const double ends = hc_sampling_layers_within(length / w->spacing, layers);
+  const double bottom = w->shape->open & 4 ? 0 : fmin(ends, rows),
+               top = w->shape->open & 8 ? 0 : fmin(ends, rows - bottom);
+  add_rings(w, radius, low, pitch, rows);
+  for (double side = 1; side < sides; side++)
+    add_rings(w, radius * (steps - side) / steps, low + bottom * pitch, pitch, rows - bottom - top);
+  for (double row = 0; row < bottom; row++) add_disc(w, radius, low + row * pitch, steps, steps);
+  for (double row = 0; row < top; row++) add_disc(w, radius, high - row * pitch, steps, steps);
 }
 
 static void add_sphere(work *w, const hc_shape *layer) {
@@ -102,13 +119,23 @@ static void add_sphere(work *w, const hc_shape *layer) {
   }
 }
 
-static hc_sampling wall_round(work w, const hc_lattice *lattice, bool solid) {
-  const hc_shape layer = hc_shape_layer(w.shape, (double)lattice->spacing[0] * lattice->unit[0], solid);
+static hc_sampling wall_round(work w, bool solid, int layers) {
+  const double spacing = w.spacing * w.unit, across = 2 * w.shape->high[0] / spacing;
   w.sampling.rings = true;
-  if (w.shape->round == 3)
+  if (w.shape->round == 2) {
+    const double length = (w.shape->high[1] - w.shape->low[1]) / w.unit, rows = nearest(length / w.spacing);
+    const hc_shape layer = hc_shape_layer(w.shape, spacing, solid, 0);
+    if (solid)
+      add_solid(&w, &layer, length, rows, layers);
+    else
+      add_container(&w, length, rows, layers);
+    return w.sampling;
+  }
+  if (solid) layers = hc_sampling_layers_within(across, layers);
+  for (int l = 0; l < layers; l++) {
+    const hc_shape layer = hc_shape_layer(w.shape, spacing, solid, l);
     add_sphere(&w, &layer);
-  else
-    add_cylinder(&w, &layer, solid);
+  }
   return w.sampling;
 }
 
@@ -124,14 +151,14 @@ hc_sampling hc_round_fill(const hc_lattice *lattice, const hc_shape *shape) {
   return sampling;
 }
 
-hc_sampling hc_round_wall(const hc_lattice *lattice, const hc_shape *shape, bool solid) {
+hc_sampling hc_round_wall(const hc_lattice *lattice, const hc_shape *shape, bool solid, int layers) {
   hc_sampling sampling;
   if (shape->round == 1) {
     const hc_lattice own = hc_sampling_own_lattice(lattice);
-    sampling =
-        (solid ? hc_sampling_solid : hc_sampling_container)(&own, shape->low, shape->high, shape->open);
+    sampling = (solid ? hc_sampling_solid : hc_sampling_container)(&own, shape->low, shape->high, shape->open,
+                                                                   layers);
   } else {
-    sampling = wall_round(begin(lattice, shape), lattice, solid);
+    sampling = wall_round(begin(lattice, shape), solid, layers);
   }
   hc_sampling_turn(&sampling, lattice, shape);
   return sampling;

@@ -14,10 +14,11 @@
  * (1 - spacing / 2 radius)^2 or ^3 of it. Empty where the shape is thinner than a spacing. */
 hc_sampling hc_round_fill(const hc_lattice *lattice, const hc_shape *shape);
 
-/* The wall around a container (`solid` false) or the skin of a solid: one layer, on hc_shape_layer. A box: as
- * hc_sampling_container and hc_sampling_solid. Round surfaces are covered by rings of round(2 pi r / spacing)
- * samples: round(L / spacing) of them along a cylinder, its ends closed by concentric rings about one sample
- * and the rim; from pole to pole of a sphere. Open ends as those of boxes. */
-hc_sampling hc_round_wall(const hc_lattice *lattice, const hc_shape *shape, bool solid);
+/* The wall around a container (`solid` false) or the skin of a solid, 1 or 2 layers, on hc_shape_layer. A
+ * box: as hc_sampling_container and hc_sampling_solid. Round surfaces are covered by rings of round(2 pi r /
+ * spacing) samples: round(L / spacing) of them along a cylinder, its ends closed by concentric rings about
+ * one sample and the rim; from pole to pole of a sphere. The second layer of a solid cylinder are the next
+ * rings and rows. Open ends as those of boxes; thin solids as well. */
+hc_sampling hc_round_wall(const hc_lattice *lattice, const hc_shape *shape, bool solid, int layers);
 
 #endif

@@ -61,12 +61,13 @@ static hc_sampling_axis centred_axis(int64_t low, int64_t length, int64_t cells,
                             .span = steps > 0 ? length - 2 * half : 0,
                             .steps = steps,
                             .below = low - spacing / 2,
-                            .above = low + length + spacing / 2};
+                            .above = low + length + spacing / 2,
+                            .pitch = spacing};
 }
 
 static int64_t axis_position(const hc_sampling_axis *axis, int64_t index) {
-  if (index < 0) return axis->below;
-  if (index > axis->steps) return axis->above;
+  if (index < 0) return axis->below + (index + 1) * axis->pitch;
+  if (index > axis->steps) return axis->above + (index - axis->steps - 1) * axis->pitch;
   if (axis->steps == 0) return axis->first;
   const int64_t whole = axis->span / axis->steps, rest = axis->span % axis->steps;
   return axis->first + index * whole + (rest ? (2 * index * rest + axis->steps) / (2 * axis->steps) : 0);
@@ -103,15 +104,18 @@ hc_sampling hc_sampling_block(const hc_lattice *lattice, const double min[3], co
   return sampling;
 }
 
-/* All products of segments, one along each axis, that lie on a closed face. */
+/* All products of segments, one along each axis, that lie on a closed face. Those behind faces across axis 0
+ * row by row: points of long rows follow each other, see hc_sampling_row_end. */
 static void add_shell(hc_sampling *sampling, segment segments[3][3], const int segment_count[3]) {
   for (int k = 0; k < segment_count[2]; k++)
     for (int j = 0; j < segment_count[1]; j++)
       for (int i = 0; i < segment_count[0]; i++) {
         const segment *const x = &segments[0][i], *const y = &segments[1][j], *const z = &segments[2][k];
-        if (x->face || y->face || z->face)
-          add_part(sampling, (const int64_t[3]){x->start, y->start, z->start},
-                   (const int64_t[3]){x->count, y->count, z->count});
+        if (!x->face && !y->face && !z->face) continue;
+        const int64_t at_once = x->face ? 1 : x->count;
+        for (int64_t row = 0; row < x->count; row += at_once)
+          add_part(sampling, (const int64_t[3]){x->start + row, y->start, z->start},
+                   (const int64_t[3]){at_once, y->count, z->count});
       }
 }
 
@@ -120,7 +124,7 @@ static bool is_open(unsigned open, int axis, int upper) {
 }
 
 hc_sampling hc_sampling_container(const hc_lattice *lattice, const double min[3], const double max[3],
-                                  unsigned open) {
+                                  unsigned open, int layers) {
   hc_sampling sampling = {0};
   segment segments[3][3];
   int segment_count[3] = {0, 0, 0};
@@ -129,9 +133,9 @@ hc_sampling hc_sampling_container(const hc_lattice *lattice, const double min[3]
     sampling.axis[a] =
         centred_axis(to_units(lattice, a, min[a]), length_units(lattice, a, max[a] - min[a], cells), cells,
                      lattice->spacing[a]);
-    if (!is_open(open, a, 0)) segments[a][segment_count[a]++] = (segment){-1, 1, true};
+    if (!is_open(open, a, 0)) segments[a][segment_count[a]++] = (segment){-layers, layers, true};
     segments[a][segment_count[a]++] = (segment){0, cells, false};
-    if (!is_open(open, a, 1)) segments[a][segment_count[a]++] = (segment){cells, 1, true};
+    if (!is_open(open, a, 1)) segments[a][segment_count[a]++] = (segment){cells, layers, true};
   }
   add_shell(&sampling, segments, segment_count);
   return sampling;
@@ -143,33 +147,41 @@ static hc_sampling_axis solid_axis(int64_t low, int64_t length, int64_t rows, in
   return (hc_sampling_axis){.first = low + spacing / 2, .span = length - spacing, .steps = rows - 1};
 }
 
+int hc_sampling_layers_within(double thickness, int layers) {
+  return hc_sampling_whole(thickness) >= 3 ? layers : 1;
+}
+
 hc_sampling hc_sampling_solid(const hc_lattice *lattice, const double min[3], const double max[3],
-                              unsigned open) {
+                              unsigned open, int layers) {
   hc_sampling sampling = {0};
   segment segments[3][3];
   int segment_count[3] = {0, 0, 0};
   for (int a = 0; a < 3; a++) {
-    const int64_t rows = nearest_cells(spacings(lattice, a, max[a] - min[a]));
+    const double thickness = spacings(lattice, a, max[a] - min[a]);
+    const int64_t rows = nearest_cells(thickness);
     sampling.axis[a] = solid_axis(to_units(lattice, a, min[a]),
                                   length_units(lattice, a, max[a] - min[a], rows), rows, lattice->spacing[a]);
     const bool lower = !is_open(open, a, 0), upper = !is_open(open, a, 1);
-    segments[a][segment_count[a]++] = (segment){0, 1, rows == 1 ? lower || upper : lower};
-    if (rows > 2) segments[a][segment_count[a]++] = (segment){1, rows - 2, false};
-    if (rows > 1) segments[a][segment_count[a]++] = (segment){rows - 1, 1, upper};
+    const int64_t within = hc_sampling_layers_within(thickness, layers);
+    const int64_t outer = within < rows / 2 ? within : rows / 2, middle = rows - 2 * outer;
+    if (outer > 0) segments[a][segment_count[a]++] = (segment){0, outer, lower};
+    if (middle > 0)
+      segments[a][segment_count[a]++] = (segment){outer, middle, within > outer && (lower || upper)};
+    if (outer > 0) segments[a][segment_count[a]++] = (segment){rows - outer, outer, upper};
   }
   add_shell(&sampling, segments, segment_count);
   return sampling;
 }
 
 hc_sampling hc_sampling_plane(const hc_lattice *lattice, const double point[3], const double normal[3],
-                              const double size[2]) {
+                              const double size[2], int layers) {
   const hc_shape shape = hc_shape_rectangle(point, normal, size);
   int axis = 0;
   while (axis < 2 && fabs(shape.axes[2][axis]) < 1) axis++;
   if (fabs(shape.axes[2][axis]) < 1) {
     static const double middle[3] = {0, 0, 0}, up[3] = {0, 0, 1};
     const hc_lattice own = hc_sampling_own_lattice(lattice);
-    hc_sampling turned = hc_sampling_plane(&own, middle, up, size);
+    hc_sampling turned = hc_sampling_plane(&own, middle, up, size, layers);
     hc_sampling_turn(&turned, lattice, &shape);
     return turned;
   }
@@ -186,7 +198,12 @@ hc_sampling hc_sampling_plane(const hc_lattice *lattice, const double point[3], 
   const int64_t behind = lattice->spacing[axis] / 2;
   cells[axis] = 1;
   sampling.axis[axis].first = to_units(lattice, axis, point[axis]) + (normal[axis] > 0 ? -behind : behind);
-  add_part(&sampling, (const int64_t[3]){0, 0, 0}, cells);
+  sampling.axis[axis].above = sampling.axis[axis].first + 2 * (normal[axis] > 0 ? -behind : behind);
+  for (int layer = 0; layer < layers; layer++) {
+    int64_t start[3] = {0, 0, 0};
+    start[axis] = layer;
+    add_part(&sampling, start, cells);
+  }
   return sampling;
 }
 

@@ -6,7 +6,8 @@
  * point, and since the entries are disjoint no point comes twice. Both may be turned as a whole.
  *
  * The surface of a wall is the wetted surface; boundary samples lie half a spacing on the far side of it and
- * fluid starts half a spacing on the near side, so the two are one spacing apart.
+ * fluid starts half a spacing on the near side, so the two are one spacing apart. Walls have `layers` of
+ * samples, 1 or 2: the second lies a spacing further and is closed around edges and corners too.
  *
  * Known weakness: samplings know nothing of each other. Where two walls cross, both have samples (setup/
  * drops the later ones); a plane ends at its rectangle's rim, so two planes that meet leave the far side of
@@ -30,11 +31,11 @@ typedef struct hc_lattice {
   int64_t spacing[3]; /* particle spacing, in units, even */
 } hc_lattice;
 
-/* Positions of the indices along one axis: `first` + round(i span / steps) for i in [0, steps], `below` for a
- * lower index and `above` for a higher one. */
+/* Positions of the indices along one axis: `first` + round(i span / steps) for i in [0, steps], `below` for
+ * index -1 and `above` for steps + 1, `pitch` more for each index further out. */
 typedef struct hc_sampling_axis {
   int64_t first, span, steps;
-  int64_t below, above;
+  int64_t below, above, pitch;
 } hc_sampling_axis;
 
 /* A box of indices: start[a] <= index < start[a] + count[a], x fastest; `first` points come before it. */
@@ -43,7 +44,7 @@ typedef struct hc_sampling_part {
   int64_t first;
 } hc_sampling_part;
 
-enum { HC_SAMPLING_MAX_PARTS = 26 };
+enum { HC_SAMPLING_MAX_PARTS = 45 }; /* two layers, those along axis 0 one by one */
 
 /* Equal rows or rings, `rise` apart along the third own axis, in units of axis 0. A row: `count` points from
  * `at` on, one spacing apart along the first own axis. A ring: `count` points about the third own axis, at[0]
@@ -76,24 +77,28 @@ typedef struct hc_sampling {
  * where the box is thinner than a spacing. */
 hc_sampling hc_sampling_block(const hc_lattice *lattice, const double min[3], const double max[3]);
 
-/* The wall around a container whose inner surface is the box: one layer, closed along edges and at corners.
+/* The wall around a container whose inner surface is the box, closed along edges and at corners.
  * Along each axis it has round(L / spacing) rows (at least 1), of the spacing where L is a multiple (then in
  * line with the fluid of a block at the same `min`), else of L / rows. Bit 2a of `open` takes away the lower
  * face along axis a, bit 2a + 1 the upper one: nothing is left beyond an open face, the other faces end
  * there. */
 hc_sampling hc_sampling_container(const hc_lattice *lattice, const double min[3], const double max[3],
-                                  unsigned open);
+                                  unsigned open, int layers);
 
-/* The skin of a solid whose outer surface is the box: one layer, half a spacing inside, closed along edges
- * and at corners; a box thinner than 1.5 spacings has a single layer in its middle. An open face keeps only
- * the rows that it shares with closed ones. */
+/* The skin of a solid whose outer surface is the box, from half a spacing inside, closed along edges and at
+ * corners. Along each axis it has round(L / spacing) rows, the outermost half a spacing from the faces, at
+ * equal distances; a box thinner than 1.5 spacings has a single layer in its middle, one thinner than 3 a
+ * single layer behind each face. An open face keeps only the rows that it shares with closed ones. */
 hc_sampling hc_sampling_solid(const hc_lattice *lattice, const double min[3], const double max[3],
-                              unsigned open);
+                              unsigned open, int layers);
 
 /* A rectangle, see hc_shape_rectangle; round(size / spacing) samples (at least 1) along each tangent, at
  * (i + 1/2) size / n, so that a plane as long as a period closes. */
 hc_sampling hc_sampling_plane(const hc_lattice *lattice, const double point[3], const double normal[3],
-                              const double size[2]);
+                              const double size[2], int layers);
+
+/* How many of `layers` a solid so many spacings thick has behind each of two faces. */
+int hc_sampling_layers_within(double thickness, int layers);
 
 /* How many whole spacings fit into `ratio` spacings, the tolerance for decimal fractions included. */
 double hc_sampling_whole(double ratio);

@@ -111,22 +111,35 @@ static bool is_open(const hc_shape *shape, int component, int upper) {
   return shape->open >> (2 * component + upper) & 1;
 }
 
-hc_shape hc_shape_layer(const hc_shape *shape, double spacing, bool solid) {
-  hc_shape layer = *shape;
+static bool is_radius(const hc_shape *shape, int component) {
+  return shape->round > 1 && component == 0;
+}
+
+static double thickness_of(const hc_shape *shape, int component) {
+  return is_radius(shape, component) ? 2 * shape->high[component]
+                                     : shape->high[component] - shape->low[component];
+}
+
+/* Has a single layer of samples, in its middle. */
+static bool is_thin(const hc_shape *shape, int component, double spacing) {
+  return rint(thickness_of(shape, component) / spacing) <= 1;
+}
+
+hc_shape hc_shape_layer(const hc_shape *shape, double spacing, bool solid, int layer) {
+  hc_shape surface = *shape;
+  const double depth = (0.5 + layer) * spacing;
   for (int c = 0; c < hc_shape_components(shape); c++) {
-    const bool radius = shape->round > 1 && c == 0;
     if (solid) {
-      const double thickness = radius ? 2 * shape->high[c] : shape->high[c] - shape->low[c];
-      const bool thin = rint(thickness / spacing) <= 1;
-      const double middle = radius ? 0 : 0.5 * (shape->low[c] + shape->high[c]);
-      if (!radius) layer.low[c] = thin ? middle : shape->low[c] + 0.5 * spacing;
-      layer.high[c] = thin ? middle : shape->high[c] - 0.5 * spacing;
+      const double half = 0.5 * thickness_of(shape, c),
+                   inset = is_thin(shape, c, spacing) ? half : fmin(depth, half);
+      if (!is_radius(shape, c)) surface.low[c] = shape->low[c] + inset;
+      surface.high[c] = shape->high[c] - inset;
       continue;
     }
-    if (!is_open(shape, c, 0)) layer.low[c] -= 0.5 * spacing;
-    if (!is_open(shape, c, 1)) layer.high[c] += 0.5 * spacing;
+    if (!is_open(shape, c, 0)) surface.low[c] -= depth;
+    if (!is_open(shape, c, 1)) surface.high[c] += depth;
   }
-  return layer;
+  return surface;
 }
 
 /* The components of a point, and how many there are. */
@@ -139,6 +152,51 @@ static int components_of(const hc_shape *shape, const double x[3], double p[3]) 
   p[0] = shape->round == 1 ? q[0] : sqrt(square);
   for (int t = shape->round; t < 3; t++) p[t - shape->round + 1] = q[t];
   return hc_shape_components(shape);
+}
+
+/* Outward direction of a face at a point, which must not lie on the axis of a round one. */
+static void face_direction(const hc_shape *shape, int component, int upper, const double x[3],
+                           double direction[3]) {
+  if (!is_radius(shape, component)) {
+    hc_shape_face_normal(shape, 2 * component + upper, direction);
+    return;
+  }
+  double from_centre[3];
+  for (int a = 0; a < 3; a++) from_centre[a] = x[a] - shape->centre[a];
+  const double along = dot(shape->axes[2], from_centre);
+  for (int a = 0; a < 3; a++)
+    direction[a] = from_centre[a] - (shape->round == 2 ? along * shape->axes[2][a] : 0);
+  normalize(direction, direction);
+}
+
+/* The layer of a solid's face that a sample lies in, from 0: layers are half a spacing and about one more
+ * each inside it. */
+static double layer_behind(const hc_shape *shape, int component, int upper, double spacing, double p) {
+  if (is_thin(shape, component, spacing)) return 0;
+  const double inside = upper ? shape->high[component] - p : p - shape->low[component];
+  return floor(inside / spacing);
+}
+
+void hc_shape_sample_normal(const hc_shape *shape, double spacing, bool solid, const double x[3],
+                            double normal[3]) {
+  static const double on_axis = 1e-6; /* spacings: no radial direction */
+  double p[3], own = INFINITY, sum[3] = {0, 0, 0};
+  const int count = components_of(shape, x, p);
+  for (int c = 0; c < count && solid; c++)
+    for (int upper = 0; upper < 2; upper++)
+      if (!is_open(shape, c, upper)) own = fmin(own, layer_behind(shape, c, upper, spacing, p[c]));
+  for (int c = 0; c < count; c++)
+    for (int upper = 0; upper < 2; upper++) {
+      if (is_open(shape, c, upper)) continue;
+      const double beyond = upper ? p[c] - shape->high[c] : shape->low[c] - p[c];
+      const bool counts = solid ? layer_behind(shape, c, upper, spacing, p[c]) == own : beyond > 0;
+      if (!counts || (is_radius(shape, c) && p[c] < on_axis * spacing)) continue;
+      double direction[3];
+      face_direction(shape, c, upper, x, direction);
+      for (int a = 0; a < 3; a++) sum[a] += solid ? direction[a] : -direction[a];
+    }
+  const double length = sqrt(dot(sum, sum));
+  for (int a = 0; a < 3; a++) normal[a] = length > 0 ? sum[a] / length : 0;
 }
 
 static double box_distance(const hc_shape *shape, const double x[3], bool through_open) {

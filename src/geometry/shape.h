@@ -45,8 +45,15 @@ int hc_shape_components(const hc_shape *shape);
 
 /* The surface on which boundary samples of this spacing lie: half a spacing outside the closed faces of a
  * container (`solid` false), half a spacing inside those of a solid, in the middle of a component less than
- * 1.5 spacings thick. Use it with hc_shape_surface_distance. */
-hc_shape hc_shape_layer(const hc_shape *shape, double spacing, bool solid);
+ * 1.5 spacings thick. `layer` 1 is the second surface, a spacing further (samples of solids are shifted off
+ * it by up to a quarter of a spacing). Use it with hc_shape_surface_distance. */
+hc_shape hc_shape_layer(const hc_shape *shape, double spacing, bool solid, int layer);
+
+/* The unit normal into the fluid at a boundary sample `x`: that of the face it lies behind, the normalised
+ * mean of the faces of an edge or corner that it belongs to. Of a solid's faces those count whose layer is
+ * the sample's own, and opposite ones cancel: 0 in the middle of a solid, which has fluid on both sides. */
+void hc_shape_sample_normal(const hc_shape *shape, double spacing, bool solid, const double x[3],
+                            double normal[3]);
 
 /* From `x` to the surface, negative inside; open faces count as faces. */
 double hc_shape_distance(const hc_shape *shape, const double x[3]);

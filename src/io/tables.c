@@ -13,7 +13,8 @@
 
 static const char step_header[] =
     "step,time,dt,iterations_density,iterations_divergence,density_error_avg,density_error_max,v_max,a_max,"
-    "kinetic_energy,potential_energy,fluid_particles,active_fraction,active_boundary_fraction,event\n";
+    "kinetic_energy,potential_energy,fluid_particles,active_fraction,active_boundary_fraction,event,force_"
+    "max\n";
 static const char load_header[] = "step,wall_seconds,imbalance,ghosts_max,bytes_sent_max,event\n";
 
 static hc_status failed(const hc_table *table, hc_error *error) {
@@ -29,11 +30,12 @@ static hc_status flush(hc_table *table, hc_error *error) {
 }
 
 /* Finds the end of the last whole row whose first number is at most `last`. Returns false if the header is
- * not ours, or the file cannot be read (ferror). */
+ * not ours (null: any is), or the file cannot be read (ferror). */
 static bool find_end(FILE *stream, const char *header, double last, off_t *end) {
   char *line = NULL;
   size_t room = 0;
-  const bool ours = getline(&line, &room, stream) > 0 && strcmp(line, header) == 0;
+  const bool ours = fseeko(stream, 0, SEEK_SET) == 0 && getline(&line, &room, stream) > 0 &&
+                    (!header || strcmp(line, header) == 0);
   if (ours) *end = ftello(stream);
   while (ours && getline(&line, &room, stream) > 0) {
     char *behind;
@@ -45,6 +47,22 @@ static bool find_end(FILE *stream, const char *header, double last, off_t *end) 
   return ours && !ferror(stream);
 }
 
+/* Drops what is behind the rows up to `last`, and goes on from there. */
+static hc_status cut(hc_table *table, const char *header, double last, hc_error *error) {
+  off_t end = 0;
+  errno = 0;
+  const bool found = find_end(table->stream, header, last, &end);
+  if (ferror(table->stream)) /* rows that cannot be read are not cut off */
+    return hc_error_set(error, HC_IO_FAILED, "cannot read %s: %s", table->path,
+                        strerror(errno ? errno : EIO));
+  if (!found)
+    return hc_error_set(error, HC_IO_FAILED, "cannot go on in %s: its first line must be %.*s", table->path,
+                        header ? (int)strlen(header) - 1 : 0, header ? header : "");
+  if (fseeko(table->stream, end, SEEK_SET) != 0 || ftruncate(fileno(table->stream), end) != 0)
+    return failed(table, error);
+  return HC_OK;
+}
+
 static hc_status open_table(hc_table *table, const char *directory, const char *name, const char *header,
                             bool go_on, double last, hc_error *error) {
   const hc_status status = hc_text_path(table->path, error, "%s/%s", directory, name);
@@ -53,20 +71,8 @@ static hc_status open_table(hc_table *table, const char *directory, const char *
     table->stream = fopen(table->path, "r+");
     if (!table->stream && errno != ENOENT) return failed(table, error);
   }
-  if (table->stream) {
-    off_t end = 0;
-    const bool found = find_end(table->stream, header, last, &end);
-    if (ferror(table->stream)) /* rows that cannot be read are not cut off */
-      return hc_error_set(error, HC_IO_FAILED, "cannot read %s: %s", table->path,
-                          strerror(errno ? errno : EIO));
-    if (!found)
-      return hc_error_set(error, HC_IO_FAILED, "cannot go on in %s: its first line must be %.*s", table->path,
-                          (int)strlen(header) - 1, header);
-    if (fseeko(table->stream, end, SEEK_SET) != 0 || ftruncate(fileno(table->stream), end) != 0)
-      return failed(table, error);
-    return HC_OK;
-  }
-  table->stream = fopen(table->path, "w");
+  if (table->stream) return cut(table, header, last, error);
+  table->stream = fopen(table->path, "w+");
   if (!table->stream) return failed(table, error);
   fputs(header, table->stream);
   return flush(table, error);
@@ -98,7 +104,7 @@ static void put_number(FILE *stream, double value) {
 static void put_event(FILE *stream, const char *event) {
   if (!event) event = "";
   HC_CHECK(!strpbrk(event, ",\"\r\n"), "an event must not hold a comma, quote or line end, got %s", event);
-  fprintf(stream, ",%s\n", event);
+  fprintf(stream, ",%s", event);
 }
 
 hc_status hc_tables_add_step(hc_tables *tables, const hc_step_row *row, hc_error *error) {
@@ -118,6 +124,8 @@ hc_status hc_tables_add_step(hc_tables *tables, const hc_step_row *row, hc_error
   put_number(stream, row->active_fraction);
   put_number(stream, row->active_boundary_fraction);
   put_event(stream, row->event);
+  put_number(stream, row->force_max);
+  fputc('\n', stream);
   return flush(&tables->steps, error);
 }
 
@@ -129,6 +137,7 @@ hc_status hc_tables_add_load(hc_tables *tables, const hc_load_row *row, hc_error
   put_number(stream, row->imbalance);
   fprintf(stream, ",%" PRId64 ",%" PRId64, row->ghosts_max, row->bytes_sent_max);
   put_event(stream, row->event);
+  fputc('\n', stream);
   return flush(&tables->load, error);
 }
 
@@ -141,6 +150,16 @@ hc_status hc_tables_add_gauges(hc_tables *tables, double time, const double *val
   for (int k = 0; k < count; k++) put_number(stream, values[k]);
   fputc('\n', stream);
   return flush(&tables->gauges, error);
+}
+
+hc_status hc_tables_cut(hc_tables *tables, int64_t last_step, double last_time, hc_error *error) {
+  hc_table *const all[] = {&tables->steps, &tables->load, &tables->gauges};
+  for (int k = 0; k < 3; k++) {
+    if (!all[k]->stream) continue;
+    const double last = all[k] == &tables->gauges ? last_time : (double)last_step;
+    if (cut(all[k], NULL, last, error) != HC_OK) return error->status;
+  }
+  return HC_OK;
 }
 
 hc_status hc_tables_sync(hc_tables *tables, hc_error *error) {

@@ -18,7 +18,8 @@ typedef struct hc_step_row {
   int iterations_density, iterations_divergence;
   double density_error_avg, density_error_max; /* fractions of the rest density */
   double v_max, a_max;                         /* m/s, m/s2 */
-  double kinetic_energy, potential_energy;     /* J */
+  double force_max;                        /* m/s2: what the choice of the next step reads, see solver.h */
+  double kinetic_energy, potential_energy; /* J */
   int64_t fluid_particles;
   double active_fraction, active_boundary_fraction;
   const char *event; /* words joined by '+', or "" or null; no comma, quote or line end */
@@ -55,6 +56,10 @@ hc_status hc_tables_add_load(hc_tables *tables, const hc_load_row *row, hc_error
 
 hc_status hc_tables_add_gauges(hc_tables *tables, double time, const double *values, int count,
                                hc_error *error);
+
+/* Takes rows back: those of steps after last_step, and those of gauges.csv after last_time. HC_IO_FAILED as
+ * above. */
+hc_status hc_tables_cut(hc_tables *tables, int64_t last_step, double last_time, hc_error *error);
 
 /* Brings all rows to disk. */
 hc_status hc_tables_sync(hc_tables *tables, hc_error *error);

@@ -47,6 +47,8 @@ hc_status hc_timings_write(const hc_timings *timings, const char *directory, hc_
   put_number(stream, "rebalance_seconds", timings->rebalance_seconds);
   put_integer(stream, "moved_particles", timings->moved_particles);
   put_number(stream, "imbalance", timings->imbalance);
+  put_integer(stream, "rollbacks", timings->rollbacks);
+  put_integer(stream, "rollback_steps", timings->rollback_steps);
   fprintf(stream, "  ");
   put_spread(stream, "ghosts_per_rank", &timings->ghosts);
   fprintf(stream, ",\n  ");

@@ -29,6 +29,7 @@ typedef struct hc_timings {
   int64_t rebalances, moved_particles;       /* moved by rebalances, boundary particles included */
   double rebalance_seconds;                  /* the slowest rank's */
   double imbalance;                          /* largest over mean work of a rank, over all steps */
+  int64_t rollbacks, rollback_steps;         /* since the run's start; steps that they took back */
   hc_timings_spread ghosts;                  /* at the end */
   hc_timings_spread private_bytes;           /* resident at the end, without files and what processes share */
   hc_timings_spread memory_bytes;            /* high-water mark of resident memory */

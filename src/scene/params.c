@@ -17,7 +17,15 @@ static const hc_choice flow_types[] = {{"none", HC_FLOW_NONE},
                                        {"taylor_green", HC_FLOW_TAYLOR_GREEN},
                                        {"standing_wave", HC_FLOW_STANDING_WAVE},
                                        {NULL, 0}};
-static const hc_choice boundary_methods[] = {{"akinci2012", HC_BOUNDARY_AKINCI2012}, {NULL, 0}};
+static const hc_choice boundary_methods[] = {{"akinci2012", HC_BOUNDARY_AKINCI2012},
+                                             {"ihmsen2010", HC_BOUNDARY_IHMSEN2010},
+                                             {"becker2009", HC_BOUNDARY_BECKER2009},
+                                             {"harada2007", HC_BOUNDARY_HARADA2007},
+                                             {NULL, 0}};
+static const hc_choice tension_models[] = {
+    {"none", HC_TENSION_NONE}, {"becker2007", HC_TENSION_BECKER2007}, {NULL, 0}};
+static const hc_choice density_corrections[] = {
+    {"none", HC_CORRECTION_NONE}, {"shepard", HC_CORRECTION_SHEPARD}, {NULL, 0}};
 static const hc_choice insides[] = {{"fluid", HC_INSIDE_FLUID}, {"solid", HC_INSIDE_SOLID}, {NULL, 0}};
 static const hc_choice faces[] = {{"-x", HC_FACE_MINUS_X}, {"+x", HC_FACE_PLUS_X},  {"-y", HC_FACE_MINUS_Y},
                                   {"+y", HC_FACE_PLUS_Y},  {"-z", HC_FACE_MINUS_Z}, {"+z", HC_FACE_PLUS_Z},
@@ -30,6 +38,8 @@ static const hc_choice directions[] = {{"none", 0},
                                        {"-z", HC_FACE_MINUS_Z},
                                        {"+z", HC_FACE_PLUS_Z},
                                        {NULL, 0}};
+static const hc_choice solver_methods[] = {
+    {"dfsph", HC_SOLVER_DFSPH}, {"pcisph", HC_SOLVER_PCISPH}, {NULL, 0}};
 static const hc_choice motion_types[] = {{"none", HC_WALL_STANDS},
                                          {"constant", HC_WALL_CONSTANT},
                                          {"cosine", HC_WALL_COSINE},
@@ -37,9 +47,9 @@ static const hc_choice motion_types[] = {{"none", HC_WALL_STANDS},
                                          {NULL, 0}};
 static const hc_choice interpolations[] = {
     {"linear", HC_INTERPOLATION_LINEAR}, {"smooth", HC_INTERPOLATION_SMOOTH}, {NULL, 0}};
-static const hc_choice solver_methods[] = {{"dfsph", HC_SOLVER_DFSPH}, {NULL, 0}};
 static const hc_choice leavings[] = {{"error", HC_LEAVING_ERROR}, {"remove", HC_LEAVING_REMOVE}, {NULL, 0}};
-static const hc_choice time_controls[] = {{"constant", HC_TIME_CONSTANT}, {"cfl", HC_TIME_CFL}, {NULL, 0}};
+static const hc_choice time_controls[] = {
+    {"constant", HC_TIME_CONSTANT}, {"cfl", HC_TIME_CFL}, {"adaptive", HC_TIME_ADAPTIVE}, {NULL, 0}};
 static const hc_choice decompositions[] = {
     {"slabs", HC_DECOMPOSITION_SLABS}, {"metis", HC_DECOMPOSITION_METIS}, {NULL, 0}};
 static const hc_choice rebalances[] = {
@@ -92,6 +102,7 @@ enum {
 #define ABOVE_WITHIN(low, high)                                                                              \
   { low, high, true }
 #define WITH(chooser_, value) .chooser = chooser_, .chosen = 1u << (value)
+#define AMONG(chooser_, bits) .chooser = chooser_, .chosen = (bits)
 #define UNLESS(chooser_, value) .chooser = chooser_, .chosen = ~(1u << (value))
 #define HC_PARAM(path_, kind_, member_, unit_, fallback_, range_, sentence_, ...)                            \
   {.path = path_,                                                                                            \

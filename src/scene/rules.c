@@ -143,12 +143,84 @@ static void check_step(hc_scene *scene, const hc_given *given, hc_complaints *co
                     "time_step.size must be <= time_step.max, not %s > %s", size_text, max_text);
 }
 
+/* `low` must be below `high`, or equal to it where that may be. */
+typedef struct order {
+  const char *low, *high;
+  double low_value, high_value;
+  bool equal;
+} order;
+
+static void check_order(const hc_given *given, const order *order, hc_complaints *complaints) {
+  if (is_bad(given, order->low) || is_bad(given, order->high) || order->low_value < order->high_value ||
+      (order->equal && order->low_value == order->high_value))
+    return;
+  char low_text[HC_PARAM_NUMBER_TEXT], high_text[HC_PARAM_NUMBER_TEXT];
+  hc_params_number_text(order->low_value, low_text);
+  hc_params_number_text(order->high_value, high_text);
+  const char *which = is_given(given, order->low) ? order->low : order->high;
+  hc_complaints_add(complaints, hc_given_place_of(given, which), "%s must be %s %s, not %s %s %s", order->low,
+                    order->equal ? "<=" : "<", order->high, low_text, order->equal ? ">" : ">=", high_text);
+}
+
+/* What the adaptive step needs. */
+static void check_adaptive(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  if (is_bad(given, "time_step.control") || scene->time_step.control != HC_TIME_ADAPTIVE) return;
+  const hc_time_adaptive *a = &scene->time_step.adaptive;
+  const double average = scene->solver.density_error_avg,
+               most =
+                   scene->solver.density_error_max > 0.0 ? scene->solver.density_error_max : 10.0 * average,
+               rise = a->shock.error_rise > 0.0 ? a->shock.error_rise : 5.0 * average;
+#define KEY(name) "time_step.adaptive." name
+  const order orders[] = {
+      {KEY("grow.force"), KEY("shrink.force"), a->grow.force, a->shrink.force, true},
+      {KEY("grow.error_max"), KEY("shrink.error_max"), a->grow.error_max, a->shrink.error_max, true},
+      {KEY("grow.error_avg"), KEY("shrink.error_avg"), a->grow.error_avg, a->shrink.error_avg, true},
+      {KEY("grow.velocity"), KEY("shrink.velocity"), a->grow.velocity, a->shrink.velocity, true},
+      {KEY("shrink.velocity"), KEY("shock.velocity"), a->shrink.velocity, a->shock.velocity, true},
+      {"solver.density_error_avg", "solver.density_error_max", average, most, false},
+      {"solver.density_error_avg", KEY("shock.error_rise"), average, rise, false},
+      {KEY("shock.error_rise"), "solver.density_error_max", rise, most, false}};
+#undef KEY
+  for (size_t k = 0; k < sizeof orders / sizeof *orders; k++) check_order(given, &orders[k], complaints);
+}
+
 static void check_iterations(const hc_given *given, const char *low, const char *high,
                              hc_iterations iterations, hc_complaints *complaints) {
   if (is_bad(given, low) || is_bad(given, high) || iterations.min <= iterations.max) return;
   const char *which = is_given(given, high) ? high : low;
   hc_complaints_add(complaints, hc_given_place_of(given, which), "%s must be <= %s, not %d > %d", low, high,
                     iterations.min, iterations.max);
+}
+
+/* Defaults that hang on the method, and what does not go together. */
+static void check_solver(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  if (is_bad(given, "solver.method")) return;
+  if (!is_bad(given, "boundary.method") && scene->boundary.method != HC_BOUNDARY_AKINCI2012 &&
+      !is_bad(given, "fluid.viscosity.model") && scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR)
+    hc_complaints_add(
+        complaints, hc_given_place_of(given, "fluid.viscosity.model"),
+        "fluid.viscosity.model must not be laminar unless boundary.method is akinci2012: only its "
+        "walls hold the fluid at their surface");
+  if (scene->solver.method == HC_SOLVER_PCISPH) {
+    if (!is_given(given, "solver.density_error_avg")) scene->solver.density_error_avg = 0.01;
+    if (!is_given(given, "solver.density_iterations.min")) scene->solver.density_iterations.min = 3;
+    const bool adaptive = !is_bad(given, "time_step.control") && scene->time_step.control == HC_TIME_ADAPTIVE;
+    if (adaptive && !is_given(given, "solver.density_iterations.max"))
+      scene->solver.density_iterations.max = scene->solver.density_iterations.min;
+    if (adaptive || is_bad(given, "solver.density_error_max") || is_bad(given, "solver.density_error_avg"))
+      return;
+    if (scene->solver.density_error_max == 0.0 ||
+        scene->solver.density_error_max >= scene->solver.density_error_avg)
+      return;
+    hc_complaints_add(complaints, hc_given_place_of(given, "solver.density_error_max"),
+                      "solver.density_error_max must be 0 or >= solver.density_error_avg, not %g < %g",
+                      scene->solver.density_error_max, scene->solver.density_error_avg);
+    return;
+  }
+  if (is_bad(given, "boundary.method") || scene->boundary.method == HC_BOUNDARY_AKINCI2012) return;
+  hc_complaints_add(complaints, hc_given_place_of(given, "boundary.method"),
+                    "boundary.method must be akinci2012 with solver.method dfsph: the others move predicted "
+                    "positions, which only pcisph has");
 }
 
 /* False, after a complaint, for a direction of no length. */
@@ -311,12 +383,14 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
   check_support(scene, given, complaints);
   check_domain(scene, given, complaints);
   check_limits(scene, given, complaints);
+  check_solver(scene, given, complaints);
   check_iterations(given, "solver.density_iterations.min", "solver.density_iterations.max",
                    scene->solver.density_iterations, complaints);
   check_iterations(given, "solver.divergence_iterations.min", "solver.divergence_iterations.max",
                    scene->solver.divergence_iterations, complaints);
   check_step(scene, given, complaints);
   check_floor(scene, given, complaints);
+  check_adaptive(scene, given, complaints);
   const hc_given_value *blocks = hc_given_value_of(given, "fluid.blocks");
   for (int k = 0; k < blocks->item_count; k++)
     if (!blocks->items[k].bad) check_block(&scene->fluid.blocks[k], &blocks->items[k], complaints);

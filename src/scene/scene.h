@@ -164,9 +164,16 @@ typedef enum hc_viscosity_model {
   HC_VISCOSITY_LAMINAR,    /* coefficient: kinematic viscosity, m2/s */
 } hc_viscosity_model;
 
-typedef enum hc_boundary_method { HC_BOUNDARY_AKINCI2012 } hc_boundary_method;
-typedef enum hc_solver_method { HC_SOLVER_DFSPH } hc_solver_method;
-typedef enum hc_time_control { HC_TIME_CONSTANT, HC_TIME_CFL } hc_time_control;
+typedef enum hc_tension_model { HC_TENSION_NONE, HC_TENSION_BECKER2007 } hc_tension_model;
+typedef enum hc_boundary_method {
+  HC_BOUNDARY_AKINCI2012,
+  HC_BOUNDARY_IHMSEN2010,
+  HC_BOUNDARY_BECKER2009,
+  HC_BOUNDARY_HARADA2007
+} hc_boundary_method;
+typedef enum hc_solver_method { HC_SOLVER_DFSPH, HC_SOLVER_PCISPH } hc_solver_method;
+typedef enum hc_density_correction { HC_CORRECTION_NONE, HC_CORRECTION_SHEPARD } hc_density_correction;
+typedef enum hc_time_control { HC_TIME_CONSTANT, HC_TIME_CFL, HC_TIME_ADAPTIVE } hc_time_control;
 typedef enum hc_leaving { HC_LEAVING_ERROR, HC_LEAVING_REMOVE } hc_leaving;
 typedef enum hc_decomposition { HC_DECOMPOSITION_SLABS, HC_DECOMPOSITION_METIS } hc_decomposition;
 typedef enum hc_rebalance { HC_REBALANCE_NONE, HC_REBALANCE_SLABS, HC_REBALANCE_METIS } hc_rebalance;
@@ -174,6 +181,28 @@ typedef enum hc_rebalance { HC_REBALANCE_NONE, HC_REBALANCE_SLABS, HC_REBALANCE_
 typedef struct hc_iterations {
   int min, max;
 } hc_iterations;
+
+/* Of sqrt(h/F) and h/v for the time step, and of the average density error allowed. */
+typedef struct hc_time_bounds {
+  double force, velocity, error_max, error_avg;
+} hc_time_bounds;
+
+/* The adaptive time step; stepping/adaptive.h says what they do. */
+typedef struct hc_time_adaptive {
+  double change;
+  hc_time_bounds grow, shrink;
+  struct {
+    double error_rise; /* fraction of the rest density; 0 = 5 times the average density error allowed */
+    double velocity;
+  } shock;
+  struct {
+    double force, velocity, share;
+    int most;
+  } restart;
+  struct {
+    double velocity, depth;
+  } first;
+} hc_time_adaptive;
 
 typedef struct hc_scene {
   char name[HC_NAME_LENGTH];
@@ -197,8 +226,13 @@ typedef struct hc_scene {
       double coefficient;
       double sound_speed; /* artificial: m/s; 0 = 10 sqrt(2 |g| H) with H the fluid's height at the start */
     } viscosity;
+    struct {
+      hc_tension_model model;
+      double coefficient; /* kappa, m3/s2 */
+    } surface_tension;
     double mass_factor; /* particle mass over the lattice's; below 1 under-fills a closed periodic domain */
     double disorder;    /* largest random shift off the lattice along each axis, in spacings */
+    int seed;           /* which random shifts */
     int settle_steps;   /* before the start: gravity and pressure without momentum */
     hc_block *blocks;
     int block_count;
@@ -209,7 +243,10 @@ typedef struct hc_scene {
   struct {
     hc_boundary_method method;
     double volume_factor; /* 0 = computed */
+    int layers;           /* of samples; 0 = what the method asks for */
     bool contact;         /* hold particles that the wall's pressure does not stop */
+    double friction;      /* share of the tangential velocity that stays; 1 = free slip */
+    double elasticity;    /* share of the normal velocity that returns */
     hc_wall *walls;
     int wall_count;
   } boundary;
@@ -217,7 +254,9 @@ typedef struct hc_scene {
   struct {
     hc_solver_method method;
     double density_error_avg; /* fraction of the rest density */
-    double divergence_error;  /* fraction of the rest density per step */
+    double density_error_max; /* the same; 0 = 10 times density_error_avg */
+    hc_density_correction density_correction;
+    double divergence_error; /* fraction of the rest density per step */
     hc_iterations density_iterations, divergence_iterations;
     double warm_start;            /* share of the last step's pressure taken over, 0 to 1 */
     double relaxation;            /* of each correction, above 0 to 1 */
@@ -229,8 +268,9 @@ typedef struct hc_scene {
     hc_time_control control;
     double size;   /* constant */
     double factor; /* cfl: step <= factor * particle_spacing / v_max */
-    double max;    /* cfl */
+    double max;    /* cfl, adaptive */
     double min;    /* floor; 0 = a share of the largest step */
+    hc_time_adaptive adaptive;
   } time_step;
 
   struct {
@@ -255,6 +295,7 @@ typedef struct hc_scene {
 
   struct { /* hidden: faults after so many steps, to test what they do; 0 = never */
     int nan_at, kick_at;
+    int shock_at, shock_again; /* a shock that many times more */
   } faults;
 } hc_scene;
 

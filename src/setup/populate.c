@@ -15,10 +15,11 @@ static hc_status plan_sources(const hc_scene *scene, hc_setup_plan *plan, hc_err
     source->first = plan->fluid_count;
     plan->fluid_count += hc_source_count(source);
   }
+  const int layers = hc_setup_layers(scene);
   for (int number = 0; number < scene->boundary.wall_count; number++) {
     hc_setup_source *const source = &plan->boundary[plan->boundary_sources++];
     const hc_status status =
-        hc_source_wall(&plan->frame, &scene->boundary.walls[number], number, source, error);
+        hc_source_wall(&plan->frame, &scene->boundary.walls[number], number, layers, source, error);
     if (status) return status;
     if (scene->boundary.walls[number].motion.type != HC_WALL_STANDS) source->moves = number + 1;
   }
@@ -43,6 +44,7 @@ hc_status hc_setup_plan_make(const hc_scene *scene, const hc_frame *frame, hc_se
                           .boundary = hc_alloc((size_t)walls, sizeof(hc_setup_source))};
   for (int a = 0; a < 3; a++)
     plan->disorder[a] = (int64_t)(scene->fluid.disorder * (double)frame->spacing[a]);
+  plan->seed = (uint64_t)scene->fluid.seed;
   const hc_status status = plan_sources(scene, plan, error);
   if (status) hc_setup_plan_free(plan);
   return status;
@@ -66,10 +68,11 @@ void hc_setup_share(int64_t count, int rank, int size, int64_t *first, int64_t *
   *last = share_start(count, rank + 1, size);
 }
 
-/* Evenly distributed in [-largest, largest], from the id alone (the mixer of splitmix64, Steele et al. 2014).
+/* Evenly distributed in [-largest, largest], from the id and the seed alone (the mixer of splitmix64, Steele
+ * et al. 2014).
  */
-static int64_t random_shift(uint64_t id, int axis, int64_t largest) {
-  uint64_t mixed = (3 * id + (uint64_t)axis + 1) * 0x9e3779b97f4a7c15u;
+static int64_t random_shift(uint64_t seed, uint64_t id, int axis, int64_t largest) {
+  uint64_t mixed = (3 * id + (uint64_t)axis + 1) * 0x9e3779b97f4a7c15u + seed * 0xd1342543de82ef95u;
   mixed = (mixed ^ mixed >> 30) * 0xbf58476d1ce4e5b9u;
   mixed = (mixed ^ mixed >> 27) * 0x94d049bb133111ebu;
   mixed ^= mixed >> 31;
@@ -84,10 +87,16 @@ static void place(const hc_setup_plan *plan, const hc_setup_source *source, int6
   const uint64_t id = hc_id_make(source->kind, (uint64_t)source->number, (uint64_t)k);
   particles->id[index] = id;
   for (int a = 0; a < 3; a++) {
-    const int64_t shift = source->kind == HC_ID_FLUID ? random_shift(id, a, plan->disorder[a]) : 0;
+    const int64_t shift =
+        source->kind == HC_ID_FLUID ? random_shift(plan->seed, id, a, plan->disorder[a]) : 0;
     particles->position[3 * index + a] = hc_frame_wrap(&plan->frame, a, point[a] + shift);
     if (source->kind == HC_ID_BOUNDARY) particles->reference[3 * index + a] = point[a];
   }
+  if (source->kind != HC_ID_BOUNDARY) return;
+  double x[3], normal[3];
+  for (int a = 0; a < 3; a++) x[a] = hc_frame_to_metres(&plan->frame, a, point[a]);
+  hc_source_normal(&plan->frame, source, x, normal);
+  for (int a = 0; a < 3; a++) particles->normal[3 * index + a] = (float)normal[a];
 }
 
 static void generate(const hc_setup_plan *plan, const hc_setup_source *sources, int source_count,

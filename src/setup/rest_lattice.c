@@ -11,6 +11,26 @@ static double kernel(double q) {
   return sigma * (6 * q * q * (q - 1) + 1);
 }
 
+/* dW/dq h^3 */
+static double kernel_slope(double q) {
+  const double sigma = 8 / 3.14159265358979323846;
+  if (q >= 1) return 0;
+  if (q > 0.5) return -6 * sigma * (1 - q) * (1 - q);
+  return sigma * (18 * q * q - 12 * q);
+}
+
+/* Integral of W h^3 over a plane at distance z, in units of h^2: 2 pi times that of W q dq from z to 1. */
+static double plane_integral(double z) {
+  enum { STEPS = 2000 };
+  const double step = (1 - z) / STEPS;
+  double sum = 0;
+  for (int k = 0; k < STEPS; k++) {
+    const double q = z + (k + 0.5) * step;
+    sum += kernel(q) * q * step;
+  }
+  return 2 * 3.14159265358979323846 * sum;
+}
+
 /* Sum of W h^3 over a plane of the lattice that lies `layer` spacings away. */
 static double plane_sum(double spacing_over_h, double layer) {
   const int reach = (int)(1 / spacing_over_h) + 1;
@@ -41,4 +61,22 @@ double hc_setup_wall_factor(double spacing_over_h) {
 
 double hc_setup_contact_limit(double spacing_over_h, double factor) {
   return factor * plane_sum(spacing_over_h, 0.5) / plane_sum(spacing_over_h, 0);
+}
+
+double hc_setup_rest_lattice_gradient(double spacing_over_h) {
+  const int reach = (int)(1 / spacing_over_h) + 1;
+  double sum = 0;
+  for (int k = -reach; k <= reach; k++)
+    for (int j = -reach; j <= reach; j++)
+      for (int i = -reach; i <= reach; i++) {
+        const double slope = kernel_slope(spacing_over_h * sqrt(i * i + j * j + k * k));
+        sum += slope * slope;
+      }
+  return sum;
+}
+
+double hc_setup_half_space(double spacing_over_h, double distance) {
+  double sum = 0;
+  for (double z = distance; z < 1; z += spacing_over_h) sum += plane_integral(z);
+  return sum / (spacing_over_h * spacing_over_h);
 }

@@ -23,4 +23,13 @@ double hc_setup_wall_factor(double spacing_over_h);
  * of h/2. */
 double hc_setup_contact_limit(double spacing_over_h, double factor);
 
+/* Sum of |grad W|^2 h^8 over the rest lattice seen from one of its points: of the prototype particle with a
+ * filled neighbourhood (Ihmsen et al. 2010, eq. 4), whose gradients themselves cancel. Range as above. */
+double hc_setup_rest_lattice_gradient(double spacing_over_h);
+
+/* Sum of W h^3 over a half space of the rest lattice whose first layer is `distance` support radii away, each
+ * layer spread out evenly: times (spacing/h)^3, the share of the rest density that a wall adds (Harada et al.
+ * 2007). Range as above. */
+double hc_setup_half_space(double spacing_over_h, double distance);
+
 #endif

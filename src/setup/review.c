@@ -66,7 +66,7 @@ static bool meets(meeting *m, const hc_setup_source *block,
 static double clearance_of_wall(const void *context, const double x[3]) {
   const meeting *const m = context;
   const review *const r = m->review;
-  const double samples = distance(r, hc_shape_surface_distance, &m->other->layer, x) - 0.5 * r->spacing;
+  const double samples = hc_source_layer_distance(&r->frame, m->other, x) - 0.5 * r->spacing;
   const double solid = m->other->solid ? distance(r, hc_shape_distance, &m->other->shape, x) : INFINITY;
   return fmin(samples, solid) + slack * r->spacing;
 }
@@ -88,6 +88,13 @@ static double clearance_of_outside(const void *context, const double x[3]) {
 
 static bool far_apart(const review *r, const hc_shape *shape, const hc_setup_source *block, double margin) {
   return distance(r, hc_shape_distance, shape, block->shape.centre) > hc_shape_reach(&block->shape) + margin;
+}
+
+/* Beyond all layers of the wall, and inside of it too. */
+static bool far_from_wall(const review *r, const hc_setup_source *wall, const hc_setup_source *block) {
+  const double *const centre = block->shape.centre, reach = hc_shape_reach(&block->shape) + r->spacing;
+  if (wall->solid && distance(r, hc_shape_distance, &wall->shape, centre) <= reach) return false;
+  return hc_source_layer_distance(&r->frame, wall, centre) > reach;
 }
 
 /* --- Errors --- */
@@ -123,7 +130,7 @@ static void review_size(const review *r, const hc_setup_source *block) {
 }
 
 static bool review_wall(const review *r, const hc_setup_source *block, const hc_setup_source *wall) {
-  if (hc_sampling_count(&wall->sampling) == 0 || far_apart(r, &wall->layer, block, r->spacing)) return false;
+  if (hc_sampling_count(&wall->sampling) == 0 || far_from_wall(r, wall, block)) return false;
   meeting m = {.review = r, .other = wall};
   if (!meets(&m, block, clearance_of_wall)) return false;
   const int number = (int)wall->number;
@@ -182,14 +189,13 @@ static bool is_blocked(const review *r, const hc_setup_source *own, const double
     const double *const c = r->walls[w].shape.centre;
     const double away =
         sqrt((c[0] - x[0]) * (c[0] - x[0]) + (c[1] - x[1]) * (c[1] - x[1]) + (c[2] - x[2]) * (c[2] - x[2]));
-    end = fmax(end, away + hc_shape_reach(&r->walls[w].layer));
+    end = fmax(end, away + hc_source_layer_reach(&r->walls[w]));
   }
   for (double along = 0; along <= end;) {
     const double at[3] = {x[0] + along * ray[0], x[1] + along * ray[1], x[2] + along * ray[2]};
     double nearest = INFINITY;
     for (int w = 0; w < r->wall_count; w++)
-      if (&r->walls[w] != own)
-        nearest = fmin(nearest, distance(r, hc_shape_surface_distance, &r->walls[w].layer, at));
+      if (&r->walls[w] != own) nearest = fmin(nearest, hc_source_layer_distance(&r->frame, &r->walls[w], at));
     if (nearest < blocked * r->spacing) return true;
     along += nearest - 0.5 * r->spacing;
   }
@@ -262,7 +268,8 @@ static void make_sources(review *r) {
   }
   for (int k = 0; k < r->scene->boundary.wall_count; k++) {
     hc_setup_source *const wall = &r->walls[r->wall_count++];
-    if (hc_source_wall(&r->frame, &r->scene->boundary.walls[k], k, wall, &error) == HC_OK) continue;
+    const int layers = hc_setup_layers(r->scene);
+    if (hc_source_wall(&r->frame, &r->scene->boundary.walls[k], k, layers, wall, &error) == HC_OK) continue;
     hc_findings_error(r->findings, path_of("boundary.walls", k, "").text, "%s", error.text);
     hc_source_free(&r->walls[--r->wall_count]);
   }
@@ -326,7 +333,7 @@ static bool review_opening(const review *r, int number, const hc_emitter *emitte
   for (int64_t k = 0; k < emitter->sample_count; k++) {
     double x[3];
     hc_emitter_point(emitter, k, 0.0, x);
-    if (distance(r, hc_shape_surface_distance, &wall->layer, x) >= 0.5 * r->spacing) continue;
+    if (hc_source_layer_distance(&r->frame, wall, x) >= 0.5 * r->spacing) continue;
     hc_findings_warning(
         r->findings, path_of("fluid.emitters", number, "").text,
         "%s comes within half a spacing of %s: a particle would start at (%.6g, %.6g, %.6g) m",

@@ -1,6 +1,8 @@
 #include "source.h"
 
+#include "base/check.h"
 #include "geometry/round.h"
+#include "setup/trace.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -193,17 +195,34 @@ hc_status hc_source_block(const hc_frame *frame, const hc_block *block, int numb
 
 static hc_sampling sample_wall(const hc_lattice *lattice, const hc_wall *wall, const form *f,
                                const hc_setup_source *source) {
-  if (wall->form == HC_FORM_PLANE) return hc_sampling_plane(lattice, wall->point, wall->normal, wall->size);
-  if (!is_plain_box(f)) return hc_round_wall(lattice, &source->shape, source->solid);
+  const int layers = source->layers;
+  if (wall->form == HC_FORM_PLANE)
+    return hc_sampling_plane(lattice, wall->point, wall->normal, wall->size, layers);
+  if (!is_plain_box(f)) return hc_round_wall(lattice, &source->shape, source->solid, layers);
   return (source->solid ? hc_sampling_solid : hc_sampling_container)(lattice, wall->box.min, wall->box.max,
-                                                                     wall->open);
+                                                                     wall->open, layers);
 }
 
-hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number, hc_setup_source *source,
-                         hc_error *error) {
+int hc_setup_layers(const hc_scene *scene) {
+  if (scene->boundary.layers > 0) return scene->boundary.layers;
+  switch (scene->boundary.method) {
+  case HC_BOUNDARY_IHMSEN2010:
+    return 2;
+  case HC_BOUNDARY_AKINCI2012:
+  case HC_BOUNDARY_BECKER2009:
+  case HC_BOUNDARY_HARADA2007:
+    return 1;
+  }
+  HC_CHECK(false, "unknown boundary method %d", (int)scene->boundary.method);
+}
+
+hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number, int layers,
+                         hc_setup_source *source, hc_error *error) {
   const bool plane = wall->form == HC_FORM_PLANE;
-  *source = (hc_setup_source){
-      .kind = HC_ID_BOUNDARY, .number = number, .solid = !plane && wall->inside == HC_INSIDE_SOLID};
+  *source = (hc_setup_source){.kind = HC_ID_BOUNDARY,
+                              .number = number,
+                              .layers = layers,
+                              .solid = !plane && wall->inside == HC_INSIDE_SOLID};
   const hc_source_name name = hc_source_wall_name(wall, number);
   const form f = {wall->form, &wall->box, &wall->rotation, &wall->cylinder, &wall->sphere, wall->open};
   const hc_status status =
@@ -211,7 +230,8 @@ hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number,
   if (status) return status;
   const hc_lattice lattice = lattice_of(frame);
   source->shape = plane ? hc_shape_rectangle(wall->point, wall->normal, wall->size) : shape_of(&f);
-  source->layer = hc_shape_layer(&source->shape, (double)lattice.spacing[0] * lattice.unit[0], source->solid);
+  for (int l = 0; l < layers; l++)
+    source->layer[l] = hc_shape_layer(&source->shape, hc_trace_spacing(frame), source->solid, l);
   source->sampling = sample_wall(&lattice, wall, &f, source);
   return check_sampling(frame, &source->sampling, !plane, name.text, error);
 }
@@ -219,6 +239,24 @@ hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number,
 void hc_source_free(hc_setup_source *source) {
   hc_sampling_free(&source->sampling);
   hc_gaps_free(&source->gaps);
+}
+
+double hc_source_layer_distance(const hc_frame *frame, const hc_setup_source *wall, const double x[3]) {
+  double nearest = INFINITY;
+  for (int l = 0; l < wall->layers; l++)
+    nearest = fmin(nearest, hc_trace_distance(frame, hc_shape_surface_distance, &wall->layer[l], x));
+  return nearest;
+}
+
+double hc_source_layer_reach(const hc_setup_source *wall) {
+  double reach = 0;
+  for (int l = 0; l < wall->layers; l++) reach = fmax(reach, hc_shape_reach(&wall->layer[l]));
+  return reach;
+}
+
+void hc_source_normal(const hc_frame *frame, const hc_setup_source *wall, const double x[3],
+                      double normal[3]) {
+  hc_shape_sample_normal(&wall->shape, hc_trace_spacing(frame), wall->solid, x, normal);
 }
 
 int64_t hc_source_count(const hc_setup_source *source) {

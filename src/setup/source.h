@@ -18,7 +18,8 @@ typedef struct hc_setup_source {
   double velocity[3]; /* m/s; 0 for walls */
   hc_flow flow;       /* added to it */
   hc_shape shape;     /* the block, or the wall's wetted surface */
-  hc_shape layer;     /* walls: the surface on which the samples lie */
+  hc_shape layer[2];  /* walls: the surfaces on which the samples lie */
+  int layers;         /* walls: how many of them */
   bool solid;         /* walls: an obstacle */
   int64_t moves;      /* walls that move: number + 1; 0: it stands */
 } hc_setup_source;
@@ -31,13 +32,29 @@ typedef struct hc_source_name {
 hc_source_name hc_source_block_name(int number);
 hc_source_name hc_source_wall_name(const hc_wall *wall, int number);
 
-/* Fill a source from entry `number` of the scene; `first` stays 0 and no samples are left out. To be freed
- * with hc_source_free, also after an error: see hc_setup_plan_make for these. Local. */
+/* How many layers of samples the scene's walls have, 1 or 2: boundary.layers, or what its method asks for.
+ * Local. */
+int hc_setup_layers(const hc_scene *scene);
+
+/* Fill a source from entry `number` of the scene, a wall with so many layers; `first` stays 0 and no samples
+ * are left out. To be freed with hc_source_free, also after an error: see hc_setup_plan_make for these.
+ * Local.
+ */
 hc_status hc_source_block(const hc_frame *frame, const hc_block *block, int number, hc_setup_source *source,
                           hc_error *error);
-hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number, hc_setup_source *source,
-                         hc_error *error);
+hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number, int layers,
+                         hc_setup_source *source, hc_error *error);
 void hc_source_free(hc_setup_source *source);
+
+/* From `x` to the nearest surface on which a wall's samples lie, over all periodic images, m. Local. */
+double hc_source_layer_distance(const hc_frame *frame, const hc_setup_source *wall, const double x[3]);
+
+/* The radius of the smallest sphere about the shape's centre that holds all of a wall's layers, m. */
+double hc_source_layer_reach(const hc_setup_source *wall);
+
+/* The normal at a wall's sample at `x`, m, see hc_shape_sample_normal. Local. */
+void hc_source_normal(const hc_frame *frame, const hc_setup_source *wall, const double x[3],
+                      double normal[3]);
 
 /* Particles that the source makes. */
 int64_t hc_source_count(const hc_setup_source *source);

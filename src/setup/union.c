@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double crowding = 0.5;  /* spacings, closer is too close */
-static const double rounding = 1e-4; /* spacings, by which samples may lie off their surface */
+static const double crowding = 0.5;   /* spacings, closer is too close */
+static const double rounding = 1e-4;  /* spacings, by which samples may lie off their place */
+static const double off_layer = 0.25; /* spacings, by which second layers may lie off their surface */
 
 /* A kept sample of an earlier wall and the cubic cell, half a spacing wide, that holds it. */
 typedef struct near_sample {
@@ -49,8 +50,8 @@ static near_sample sample_at(const crossing *c, const int64_t x[3]) {
 }
 
 static double distance_to(const crossing *c, const hc_setup_source *wall, const double x[3]) {
-  return hc_trace_distance(c->frame, hc_shape_surface_distance, &wall->layer, x) -
-         (crowding + rounding) * c->spacing;
+  const double off = wall->layers > 1 ? off_layer : rounding;
+  return hc_source_layer_distance(c->frame, wall, x) - (crowding + off) * c->spacing;
 }
 
 static double clearance_of_wall(const void *context, const double x[3]) {
@@ -130,8 +131,8 @@ static bool judge(void *context, int64_t k, const int64_t point[3], const double
 
 static bool may_meet(const crossing *c, const hc_setup_source *other) {
   if (hc_sampling_count(&other->sampling) == 0) return false;
-  return distance_to(c, other, c->wall->layer.centre) <= hc_shape_reach(&c->wall->layer) &&
-         distance_to(c, c->wall, other->layer.centre) <= hc_shape_reach(&other->layer);
+  return distance_to(c, other, c->wall->shape.centre) <= hc_source_layer_reach(c->wall) &&
+         distance_to(c, c->wall, other->shape.centre) <= hc_source_layer_reach(other);
 }
 
 void hc_union_drop(const hc_frame *frame, hc_setup_source *walls, int count) {

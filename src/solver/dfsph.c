@@ -135,6 +135,18 @@ static solved correct_density_error(hc_world *world, const hc_solver_settings *s
   return iterate(&solve, FIRST);
 }
 
+/* v += dt * non-pressure accelerations; ghosts too. */
+static void apply_forces(hc_world *world, const hc_solver_settings *settings, double dt,
+                         hc_step_report *report) {
+  const int32_t border = world->fluid.border, own = world->fluid.own;
+  const float *change = hc_find_forces(world, settings, dt);
+  hc_accelerate(world, settings, change, dt, 0, border);
+  hc_halo_begin(&world->halo, HC_HALO_MOTION);
+  hc_accelerate(world, settings, change, dt, border, own);
+  report->force_max = hc_largest_force(world, settings, dt, change, NULL);
+  hc_halo_end(&world->halo);
+}
+
 static void store_pressure(hc_particles *fluid, double rest_density, double dt) {
   const float of_density = (float)(rest_density / (dt * dt)), of_divergence = (float)(rest_density / dt);
   for (int32_t i = 0; i < fluid->own; i++)
@@ -158,9 +170,8 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
   hc_stopwatch_enter(&world->watch, HC_STAGE_DIVERGENCE);
   const solved divergence = correct_divergence_error(world, settings, dt, dt_before);
 
-  /* v += dt * non-pressure accelerations */
   hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);
-  if (!divergence.broken) hc_apply_forces(world, settings, dt, report);
+  if (!divergence.broken) apply_forces(world, settings, dt, report);
 
   /* correctDensityError(alpha, v) */
   hc_stopwatch_enter(&world->watch, HC_STAGE_PRESSURE);
@@ -176,7 +187,13 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
   report->density_error_max = density.max;
   report->divergence_iterations = divergence.iterations;
   report->divergence_capped = divergence.capped;
-  return hc_move(world, settings, dt, divergence.broken || density.broken, report, error);
+  return hc_move(world, settings, dt, HC_MOVE_BY_VELOCITY, divergence.broken || density.broken, report,
+                 error);
 }
 
-const hc_solver_ops hc_solver_dfsph = {"dfsph", step};
+static void densities(hc_world *world, const hc_solver_settings *settings) {
+  (void)settings;
+  world->sweeps->density(&world->sweep, 0, world->fluid.own);
+}
+
+const hc_solver_ops hc_solver_dfsph = {"dfsph", step, densities};

@@ -32,47 +32,45 @@ static void viscous_change(hc_world *world, const hc_solver_settings *settings, 
   }
 }
 
-/* v += change + dt gravity for own particles [begin, end). */
-static void accelerate(hc_particles *fluid, const float *change, const double gravity[3], double dt,
-                       int32_t begin, int32_t end) {
+float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, double dt) {
+  float *change = hc_particles_scratch(&world->fluid, 3 * sizeof *change);
+  viscous_change(world, settings, dt, change);
+  if (settings->surface_tension > 0.0)
+    world->sweeps->cohesion(&world->sweep, (float)(settings->surface_tension * dt), change, 0,
+                            world->fluid.own);
+  return change;
+}
+
+void hc_accelerate(hc_world *world, const hc_solver_settings *settings, const float *change, double dt,
+                   int32_t begin, int32_t end) {
+  hc_particles *fluid = &world->fluid;
   for (int32_t k = begin; k < end; k++) {
     for (int axis = 0; axis < 3; axis++) {
       double *velocity = &fluid->velocity[3 * (size_t)k + axis];
-      *velocity += (double)change[3 * (size_t)k + axis] + dt * gravity[axis];
+      *velocity += (double)change[3 * (size_t)k + axis] + dt * settings->gravity[axis];
       fluid->motion[k].v[axis] = (float)*velocity;
     }
   }
 }
 
-/* Largest acceleration of gravity and viscosity. XSPH is left out: it smooths velocities, it is not a force.
- */
-static double largest_force(const hc_world *world, const hc_solver_settings *settings, double dt,
-                            const float *change) {
+double hc_largest_force(const hc_world *world, const hc_solver_settings *settings, double dt,
+                        const float *change, const float *push) {
   double largest = 0.0;
-  const bool viscous =
-      settings->viscosity == HC_VISCOUS_LAMINAR || settings->viscosity == HC_VISCOUS_ARTIFICIAL;
-  const int32_t own = viscous ? world->fluid.own : world->fluid.own > 0;
+  const double rate = 1.0 / dt;
+  const bool viscous = settings->viscosity == HC_VISCOUS_LAMINAR ||
+                       settings->viscosity == HC_VISCOUS_ARTIFICIAL || settings->surface_tension > 0.0;
+  const int32_t own = viscous || push ? world->fluid.own : world->fluid.own > 0;
   for (int32_t k = 0; k < own; k++) {
     double square = 0.0;
     for (int axis = 0; axis < 3; axis++) {
-      const double force =
-          settings->gravity[axis] + (viscous ? (double)change[3 * (size_t)k + axis] / dt : 0.0);
+      const size_t at = 3 * (size_t)k + (size_t)axis;
+      const double sum = (viscous ? (double)change[at] : 0.0) + (push ? (double)push[at] : 0.0);
+      const double force = settings->gravity[axis] + sum * rate;
       square += force * force;
     }
     if (square > largest) largest = square;
   }
   return sqrt(largest);
-}
-
-void hc_apply_forces(hc_world *world, const hc_solver_settings *settings, double dt, hc_step_report *report) {
-  hc_particles *fluid = &world->fluid;
-  float *change = hc_particles_scratch(fluid, 3 * sizeof *change);
-  viscous_change(world, settings, dt, change);
-  accelerate(fluid, change, settings->gravity, dt, 0, fluid->border);
-  hc_halo_begin(&world->halo, HC_HALO_MOTION);
-  accelerate(fluid, change, settings->gravity, dt, fluid->border, fluid->own);
-  report->force_max = largest_force(world, settings, dt, change);
-  hc_halo_end(&world->halo);
 }
 
 /* Turns the remembered velocities into what they are called: a = (v - v remembered)/dt. */
@@ -99,7 +97,8 @@ typedef struct move_totals {
   double v2_max, a2_max;
 } move_totals;
 
-static void move_all(hc_world *world, const hc_solver_settings *settings, double dt, move_totals *totals) {
+static void move_all(hc_world *world, const hc_solver_settings *settings, double dt, hc_move_to to,
+                     move_totals *totals) {
   hc_particles *fluid = &world->fluid;
   const hc_frame *frame = &world->frame;
   const double rate = 1.0 / dt;
@@ -111,8 +110,11 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
     float *acceleration = &fluid->acceleration[3 * (size_t)k];
     double v2 = 0.0, a2 = 0.0, work = 0.0;
     for (int axis = 0; axis < 3; axis++) {
-      position[axis] =
-          hc_frame_wrap(frame, axis, position[axis] + llrint(velocity[axis] * units_per_speed[axis]));
+      const int64_t change =
+          to == HC_MOVE_TO_PLACE
+              ? (int32_t)((uint32_t)fluid->place[k].x[axis] - (uint32_t)(uint64_t)position[axis])
+              : llrint(velocity[axis] * units_per_speed[axis]);
+      position[axis] = hc_frame_wrap(frame, axis, position[axis] + change);
       const double a = (velocity[axis] - (double)acceleration[axis]) * rate;
       acceleration[axis] = (float)a;
       v2 += velocity[axis] * velocity[axis];
@@ -126,16 +128,16 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
   }
 }
 
-hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, bool broken,
+hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, hc_move_to to, bool broken,
                   hc_step_report *report, hc_error *error) {
-  if (world->contact_limit > 0.0)
+  if (world->boundary_ops->contact && world->contact_limit > 0.0)
     report->contacts =
         world->boundary_ops->contact(&world->fluid, settings->rest_density, world->contact_limit, dt);
   if (look_before_move(world, dt, broken, report, error) != HC_OK) return error->status;
   hc_comm_sum_i64(world->comm, &report->contacts, 1);
   move_totals totals;
   memset(&totals, 0, sizeof totals);
-  move_all(world, settings, dt, &totals);
+  move_all(world, settings, dt, to, &totals);
 
   hc_comm_sum_exact(world->comm, totals.energy, 2);
   double maxima[3] = {totals.v2_max, totals.a2_max, report->force_max};

@@ -17,13 +17,20 @@ typedef struct hc_solver_settings {
   hc_viscous_force viscosity;
   double viscosity_coefficient; /* xsph: share; artificial: alpha; laminar: m2/s */
   double sound_speed;           /* artificial: m/s */
+  double surface_tension;       /* kappa of Becker and Teschner 2007, m3/s2; 0: none */
+  bool negative_pressure;
   /* DFSPH */
   double density_error_avg;                                     /* fraction of the rest density */
   double divergence_error;                                      /* fraction of the rest density per step */
   int density_min, density_max, divergence_min, divergence_max; /* iterations */
   double warm_start, relaxation;
   int min_divergence_neighbors;
-  bool negative_pressure;
+  /* PCISPH; density_error_avg, density_min and density_max too */
+  double density_error_max;                /* fraction of the rest density */
+  double gradient_square;                  /* sum |grad W|^2 over the rest lattice, 1/m8 */
+  bool shepard;                            /* correct densities at the surface */
+  double friction, elasticity;             /* of contacts with walls, see hc_collision */
+  float wall_weights[HC_WALL_WEIGHTS + 1]; /* see hc_prediction */
 } hc_solver_settings;
 
 /* What a step says of itself; the same on every rank. */
@@ -33,7 +40,8 @@ typedef struct hc_step_report {
   double density_error_avg,
       density_error_max;                   /* fractions of the rest density, predicted for the step's end */
   double v_max, a_max;                     /* m/s, m/s2: at the end of, and averaged over, the step */
-  double force_max;                        /* m/s2: non-pressure forces, for the choice of the next step */
+  double force_max;                        /* m/s2: for the choice of the next step: non-pressure forces;
+                                              PCISPH: all but contacts */
   double kinetic_energy, potential_energy; /* J; potential about the scene's origin */
   int64_t contacts;                        /* particles that a wall's contact held */
   hc_fault fault;                          /* why the step failed */
@@ -47,23 +55,37 @@ typedef struct hc_solver_ops {
    * and accelerations are those it was found with, positions those of the step's beginning. */
   hc_status (*step)(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
                     hc_step_report *report, hc_error *error);
+  /* Fills densities (and what goes with them) at the present positions, as steps do. Collective. Before:
+   * hc_world_update. */
+  void (*densities)(hc_world *world, const hc_solver_settings *settings);
 } hc_solver_ops;
 
 extern const hc_solver_ops hc_solver_dfsph;
+extern const hc_solver_ops hc_solver_pcisph;
 
 /* Shared by the solvers (motion.c). */
 
-/* Non-pressure forces: v += dt (gravity + viscosity), ghosts refreshed. Ghost velocities and, for xsph,
- * inverse densities must be current. Collective. */
-void hc_apply_forces(hc_world *world, const hc_solver_settings *settings, double dt, hc_step_report *report);
+/* Velocity changes of own particles by non-pressure forces but gravity over dt, three a particle, in the
+ * store's scratch. Ghost velocities and, for xsph, inverse densities must be current. Local. */
+float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, double dt);
+
+/* v += change + dt gravity for own particles [begin, end), motion too. Local. */
+void hc_accelerate(hc_world *world, const hc_solver_settings *settings, const float *change, double dt,
+                   int32_t begin, int32_t end);
+
+/* The largest acceleration of gravity, those changes and `push` (m/s, three a particle; may be null) among
+ * own particles, m/s2. XSPH is left out: it smooths velocities, it is not a force. Local. */
+double hc_largest_force(const hc_world *world, const hc_solver_settings *settings, double dt,
+                        const float *change, const float *push);
 
 /* Remembers velocities, so that hc_move can tell accelerations. Local. */
 void hc_remember_velocities(hc_world *world);
 
-/* Wall contacts, then x += dt v for own particles, periodic axes wrapped; velocities, accelerations, energies
- * into the report. `broken`, the same on every rank: the pressure found no end, and the step fails.
- * Collective; HC_FAILED as hc_solver_ops.step says. */
-hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, bool broken,
+/* Wall contacts at velocities, then own particles move: by dt v, or to what place predicts; periodic axes
+ * wrapped; velocities, accelerations, energies into the report. `broken`, the same on every rank: the
+ * pressure found no end, and the step fails. Collective; HC_FAILED as hc_solver_ops.step says. */
+typedef enum hc_move_to { HC_MOVE_BY_VELOCITY, HC_MOVE_TO_PLACE } hc_move_to;
+hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, hc_move_to to, bool broken,
                   hc_step_report *report, hc_error *error);
 
 #endif

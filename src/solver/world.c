@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "particles/ids.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *settings) {
@@ -25,13 +26,17 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
   hc_neighbor_search_init(&world->search, settings->isa);
   hc_neighbors_init(&world->list);
   hc_neighbors_init(&world->walls);
+  hc_neighbors_init(&world->wetted);
   world->sweeps = hc_sweeps_of(settings->isa);
   world->sweep =
       hc_sweep_make(&world->frame, settings->mass / settings->rest_density, settings->rest_density);
+  world->sweep.reach = 2.0f * world->sweep.wall_offset * world->sweep.support; /* a spacing */
+  world->sweep.walls_add = settings->boundary_ops->walls;
   world->sweep.fluid = &world->fluid;
   world->sweep.boundary = &world->boundary;
   world->sweep.list = &world->list;
   world->sweep.walls = &world->walls;
+  world->sweep.wetted = &world->wetted;
 }
 
 void hc_world_free(hc_world *world) {
@@ -40,6 +45,8 @@ void hc_world_free(hc_world *world) {
   hc_halo_free(&world->boundary_halo);
   hc_neighbors_free(&world->list);
   hc_neighbors_free(&world->walls);
+  hc_neighbors_free(&world->wetted);
+  free(world->contacts);
   hc_neighbor_search_free(&world->search);
   hc_cells_free(&world->cells);
   hc_cells_free(&world->boundary_cells);
@@ -68,18 +75,29 @@ static void number_walls(hc_world *world) {
     boundary->wall[k] = boundary->place[k].scalar;
 }
 
+/* What sweeps read of a wall's particles besides their place; none has a pressure yet. */
+static void face(hc_particles *boundary) {
+  for (int32_t k = 0; k < boundary->own; k++) {
+    memcpy(boundary->facing[k].v, &boundary->normal[3 * (size_t)k], sizeof boundary->facing[k].v);
+    boundary->facing[k].scalar = 0.0f;
+    boundary->pressure[k] = 0.0f;
+  }
+}
+
 /* Gives boundary particles that have come to new places their cells, ghosts and numbers, and what sweeps read
- * of them: volumes, which are state, and velocities. */
+ * of them: volumes, which are state, normals and velocities. */
 static void place_boundary(hc_world *world) {
   hc_particles *boundary = &world->boundary;
   hc_stopwatch_enter(&world->watch, HC_STAGE_MIGRATE);
   hc_domain_migrate(&world->domain, boundary);
   sort_and_halo(world, boundary, &world->boundary_cells, &world->boundary_halo);
   number_walls(world);
+  face(boundary);
   for (int32_t k = 0; k < boundary->own; k++) boundary->place[k].scalar = boundary->volume[k];
   hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
   hc_moving_walls_drive(&world->moving, &world->frame, boundary);
   hc_halo_refresh(&world->boundary_halo, HC_HALO_MOTION);
+  hc_halo_refresh(&world->boundary_halo, HC_HALO_FACING);
   world->walls_moved = false;
 }
 
@@ -148,6 +166,9 @@ void hc_world_update(hc_world *world) {
                      &world->fluid);
   hc_neighbors_build(&world->walls, &world->search, &world->cells, &world->fluid, &world->boundary_cells,
                      &world->boundary);
+  if (world->boundary_ops->walls == HC_WALLS_PRESSURE)
+    hc_neighbors_build(&world->wetted, &world->search, &world->boundary_cells, &world->boundary,
+                       &world->cells, &world->fluid);
   world->listed = world->fluid.own;
   hc_halo_end(&world->halo);
 }

@@ -17,6 +17,9 @@ typedef struct hc_world {
   hc_halo halo, boundary_halo;
   hc_neighbor_search search;
   hc_neighbors list, walls; /* fluid -> fluid, fluid -> boundary */
+  hc_neighbors wetted;      /* boundary -> fluid, where walls have a pressure of their own */
+  hc_record *contacts;      /* see hc_collision; room for contact_room, and as many velocities of walls */
+  size_t contact_room;
   hc_moving_walls moving;
   bool walls_moved; /* boundary particles have other positions or velocities than their cells and ghosts */
   const hc_sweeps *sweeps;

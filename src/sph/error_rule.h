@@ -8,6 +8,16 @@
 
 static const double HC_ERROR_UNITS = 0x1p30;
 
+/* Adds an error, which is not negative, to a total. */
+static inline void hc_error_note(float size, hc_error_total *total) {
+  if (!(size < 0x1p30f)) { /* a NaN too */
+    total->not_finite = true;
+    return;
+  }
+  total->sum += (int64_t)llrint((double)size * HC_ERROR_UNITS);
+  if (size > total->max) total->max = size;
+}
+
 static inline void hc_error_apply(const hc_sweep *sweep, const hc_error_rule *rule, float per_density,
                                   int32_t i, float rate, hc_error_total *total) {
   hc_particles *fluid = sweep->fluid;
@@ -15,13 +25,7 @@ static inline void hc_error_apply(const hc_sweep *sweep, const hc_error_rule *ru
   if (sweep->list->count[i] + sweep->walls->count[i] < rule->min_neighbors) e = 0.0f;
   if (e < 0.0f && !rule->signed_error) e = 0.0f;
   fluid->place[i].scalar = rule->relaxation * fluid->alpha[i] * e;
-  const float size = fabsf(e);
-  if (!(size < 0x1p30f)) { /* a NaN too */
-    total->not_finite = true;
-    return;
-  }
-  total->sum += (int64_t)llrint((double)size * HC_ERROR_UNITS);
-  if (size > total->max) total->max = size;
+  hc_error_note(fabsf(e), total);
 }
 
 #endif

@@ -15,6 +15,14 @@
 #include "base/isa.h"
 #include "space/neighbors.h"
 
+/* What walls add to the densities and pressures of predicted positions. */
+typedef enum hc_wall_rule {
+  HC_WALLS_NOTHING,
+  HC_WALLS_MIRRORED, /* volumes V_b; the fluid particle's pressure (Akinci et al. 2012) */
+  HC_WALLS_PRESSURE, /* the volume and mass of fluid; a pressure of their own (Ihmsen et al. 2010) */
+  HC_WALLS_DISTANCE  /* a density that depends on the distance; no pressure (Harada et al. 2007) */
+} hc_wall_rule;
+
 /* What all sweeps of a step read. */
 typedef struct hc_sweep {
   float scale[3];     /* 1 / support radius of one unit along each axis */
@@ -24,11 +32,17 @@ typedef struct hc_sweep {
   float gradient;     /* 8/(pi h^4), 1/m4 */
   float rest_density; /* kg/m3 */
   float wall_offset;  /* of boundary samples behind the wetted surface, in support radii */
+  float reach;        /* m: nearer to a sample a particle is in contact, where walls are rigid */
+  hc_wall_rule walls_add;
   hc_particles *fluid;
-  const hc_particles *boundary; /* place.scalar is V_b, motion the velocity */
-  const hc_neighbors *list;     /* fluid -> fluid */
-  const hc_neighbors *walls;    /* fluid -> boundary */
-  bool walls_move;              /* has any boundary particle a velocity? */
+  hc_particles
+      *boundary; /* place.scalar is V_b, or what the boundary method makes of it; motion the velocity */
+  const hc_neighbors *list;   /* fluid -> fluid */
+  const hc_neighbors *walls;  /* fluid -> boundary */
+  const hc_neighbors *wetted; /* boundary -> fluid; empty where walls have no pressure of their own */
+  bool walls_move;            /* has any boundary particle a velocity? */
+  const hc_record *contacts;  /* v: change of velocity by contact in the last step, m/s; null where walls are
+                                 not  rigid */
 } hc_sweep;
 
 /* How the error sweep weighs: e_i = of_density (D_i - 1) + of_rate dD_i/dt. */
@@ -48,7 +62,25 @@ typedef struct hc_error_total {
   bool not_finite; /* an error was no number or beyond 2^30 */
 } hc_error_total;
 
-/* Viscosity as the sweeps see it: velocity change = weight * sum, see each sweep. */
+enum { HC_WALL_WEIGHTS = 64 }; /* steps of the table of weights */
+
+/* What the sweeps over predicted positions (PCISPH) read. */
+typedef struct hc_prediction {
+  bool shepard;         /* densities are divided by sum V_j W; then predicted_density leaves the pressure */
+  bool negative;        /* pressures may fall below 0 */
+  float stiffness;      /* of p/rho0 to the relative density error, m2/s2: 1/(2 V^2 dt^2 sum |grad W|^2) */
+  float dt;             /* s */
+  const float *weights; /* DISTANCE: density at k/HC_WALL_WEIGHTS support radii from the samples, 0 to all */
+} hc_prediction;
+
+/* What a particle's contact with walls is judged by. */
+typedef enum hc_contact_rule {
+  HC_CONTACT_WEIGHTED, /* samples nearer than reach: Ihmsen et al. 2010, eq. 9 to 11 */
+  HC_CONTACT_DISTANCE  /* the distance from the plane through the samples near it */
+} hc_contact_rule;
+
+/* Viscosity as the sweeps see it: velocity change = weight * sum, see each sweep. Walls take part where they
+ * have volumes (MIRRORED). */
 typedef struct hc_sweeps {
   /* What follows from positions and velocities alone: density = rho0 (V sum W + sum_b V_b W), motion.scalar =
    * 1/D, wall_density = sum_b V_b W and its gradient wall_gradient B, wall_rate = sum_b V_b v_b . grad W,
@@ -56,6 +88,9 @@ typedef struct hc_sweeps {
    * = dD/dt, as the error sweep has it. Akinci et al. 2012; Bender and Koschier 2015, eq. 9; the squared sum
    * runs over fluid neighbours only. */
   void (*density)(const hc_sweep *sweep, int32_t begin, int32_t end);
+
+  /* wall_density, wall_gradient and wall_rate alone. */
+  void (*wall_sums)(const hc_sweep *sweep, int32_t begin, int32_t end);
 
   /* dD/dt = V sum (v_i - v_j) . grad W + v_i . B - wall_rate, then by the rule the error e_i, clamped at 0
    * from below unless signed, and place.scalar = relaxation alpha_i e_i. Adds |e_i| to the total. Carensac et
@@ -81,10 +116,46 @@ typedef struct hc_sweeps {
    * viscosity (Monaghan 1992) at rest density; weight = alpha h c dt. */
   void (*artificial)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
 
+  /* change_i = -weight sum W (x_i - x_j) over fluid neighbours: surface tension (Becker and Teschner 2007);
+   * weight = kappa dt. */
+  void (*cohesion)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
+
   /* boundary->place.scalar = volume = factor / (W(0) + sum_b W) over boundary neighbours. Akinci et al. 2012,
    * eq. 4. */
   void (*boundary_volume)(const hc_sweep *sweep, hc_particles *boundary, const hc_neighbors *list,
                           float factor);
+
+  /* At the positions in place, D_i = V sum W + the walls' share; density = rho0 D_i; then, unless Shepard's
+   * correction is still to come (motion.scalar = 1/D_i for it), the end of the prediction: the relative error
+   * D_i - 1 where positive is added to the total, pressure += rho0 stiffness (D_i - 1), clamped at 0 from
+   * below unless it may be negative, and place.scalar = pressure/(rho0 D_i^2), MIRRORED: pressure/rho0.
+   * Ihmsen et al. 2010, eq. 2, 3, 13. */
+  void (*predicted_density)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
+                            int32_t end, hc_error_total *total);
+
+  /* D_i becomes D_i/(V sum W/D_j + walls), and the prediction ends as above. Bonet and Kulasegaram 2002.
+   * Ghosts' motion.scalar must be current; walls count with their V_b. */
+  void (*corrected_density)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
+                            int32_t end, hc_error_total *total);
+
+  /* The same of own boundary particles that have a pressure: D_b = boundary_share + V sum W over fluid. */
+  void (*boundary_density)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
+                           int32_t end);
+
+  /* push_i = -dt (V sum (s_i + s_j) grad W + the walls' part) with s = place.scalar. Ihmsen et al. 2010,
+   * eq. 6. */
+  void (*push)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin, int32_t end);
+
+  /* contacts_i: v the direction away from the walls (not of unit length; 0: no contact), scalar the depth, m.
+   * WEIGHTED: w = max(0, 1 - r/reach); v = sum w n_b, depth = sum w (reach - r) / sum w. DISTANCE: over
+   * samples in front of which the particle is, with w = max(0, 1 - r/h), v = sum w n_b and depth = reach -
+   * sum w (x_i - x_b) . n_b / sum w, which may be negative. */
+  void (*contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts, int32_t begin,
+                   int32_t end);
+
+  /* velocities_i.v = sum w v_b / sum w with the weights of WEIGHTED: how fast the walls move that are
+   * touched; 0 without contact. */
+  void (*wall_velocities)(const hc_sweep *sweep, hc_record *velocities, int32_t begin, int32_t end);
 } hc_sweeps;
 
 /* The sweeps compiled for an instruction set. */

@@ -75,10 +75,16 @@ void hc_state_history_push(hc_state_history *history, const hc_state *state, uns
   hc_state_remember(&history->copies[history->newest], state, kinds);
 }
 
+const hc_state_copy *hc_state_history_get(const hc_state_history *history, int back) {
+  if (back < 0 || back >= history->count) return NULL;
+  return &history->copies[(history->newest - back + HC_STATE_HISTORY) % HC_STATE_HISTORY];
+}
+
 bool hc_state_history_return(hc_state_history *history, hc_state *state, int back) {
-  if (back < 0 || back >= history->count) return false;
-  history->newest = (history->newest - back + HC_STATE_HISTORY) % HC_STATE_HISTORY;
-  history->count -= back;
-  hc_state_restore(&history->copies[history->newest], state);
+  const hc_state_copy *copy = hc_state_history_get(history, back);
+  if (!copy) return false;
+  hc_state_restore(copy, state);
+  history->newest = (history->newest - back - 1 + 2 * HC_STATE_HISTORY) % HC_STATE_HISTORY;
+  history->count -= back + 1;
   return true;
 }

@@ -28,8 +28,8 @@ void hc_state_remember(hc_state_copy *copy, const hc_state *state, unsigned kind
  * that is not state are gone. The copy stays full. */
 void hc_state_restore(const hc_state_copy *copy, hc_state *state);
 
-/* The last few states, the newest at 0. */
-enum { HC_STATE_HISTORY = 3 };
+/* The last states, the newest at 0. */
+enum { HC_STATE_HISTORY = 2 };
 
 typedef struct hc_state_history {
   hc_state_copy copies[HC_STATE_HISTORY];
@@ -41,8 +41,12 @@ void hc_state_history_free(hc_state_history *history);
 /* Remembers the state as the newest; the oldest is forgotten once there are HC_STATE_HISTORY. */
 void hc_state_history_push(hc_state_history *history, const hc_state *state, unsigned kinds);
 
-/* Goes back to the state remembered `back` pushes before the newest (0: the newest itself) and forgets those
- * after it. Returns false, changing nothing, if there is none so old. */
+/* The state remembered `back` pushes before the newest (0: the newest itself); null if there is none so old.
+ * It stays the history's. */
+const hc_state_copy *hc_state_history_get(const hc_state_history *history, int back);
+
+/* Goes back to that state, and forgets it and those after it: who goes on from there pushes it anew. Returns
+ * false, changing nothing, if there is none so old. */
 bool hc_state_history_return(hc_state_history *history, hc_state *state, int back);
 
 #endif

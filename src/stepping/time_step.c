@@ -1,5 +1,7 @@
 #include "time_step.h"
 
+#include "adaptive.h"
+
 #include <math.h>
 
 static const double FIRST_STEP = 0.25;
@@ -18,6 +20,17 @@ double hc_time_step_viscous_bound(const hc_step_settings *settings) {
   return 0.125 * smoothing_length * smoothing_length / settings->viscosity;
 }
 
+double hc_time_step_to_end(const hc_step_settings *settings, double time, double dt, hc_step_bound *bound) {
+  /* The last step ends the run on time; a sliver that rounding would leave behind is taken along. A much
+   * shorter last step would turn what density error is left into velocity, so the last two share the time. */
+  const double left = settings->end_time - time;
+  if (dt * (1.0 + 1e-9) >= left) {
+    *bound = HC_BOUND_END;
+    return left;
+  }
+  return settings->control == HC_STEP_CONSTANT ? dt : fmin(dt, 0.5 * left);
+}
+
 double hc_time_step_next(const hc_step_settings *settings, double time, double dt_before,
                          const hc_step_report *report, hc_step_bound *bound) {
   *bound = HC_BOUND_SIZE;
@@ -31,15 +44,13 @@ double hc_time_step_next(const hc_step_settings *settings, double time, double d
     /* A run starts without pressure, which takes iterations to build up: fewest from a short first step on.
      */
     shrink(&dt, dt_before > 0.0 ? 1.1 * dt_before : FIRST_STEP * settings->max, HC_BOUND_GROWTH, bound);
+  } else if (settings->control == HC_STEP_ADAPTIVE) {
+    dt = dt_before > 0.0 ? hc_adaptive_next(settings, dt_before, report, bound)
+                         : hc_adaptive_first(settings, report->v_max, bound);
+    shrink(&dt, hc_time_step_viscous_bound(settings), HC_BOUND_VISCOUS, bound);
+    shrink(&dt, settings->max, HC_BOUND_SIZE, bound);
   }
-  /* The last step ends the run on time; a sliver that rounding would leave behind is taken along. A much
-   * shorter last step would turn what density error is left into velocity, so the last two share the time. */
-  const double left = settings->end_time - time;
-  if (dt * (1.0 + 1e-9) >= left) {
-    *bound = HC_BOUND_END;
-    return left;
-  }
-  return settings->control == HC_STEP_CFL ? fmin(dt, 0.5 * left) : dt;
+  return hc_time_step_to_end(settings, time, dt, bound);
 }
 
 double hc_time_step_floor(const hc_step_settings *settings) {
@@ -53,7 +64,15 @@ bool hc_time_step_too_small(const hc_step_settings *settings, double time, doubl
 }
 
 const char *hc_step_bound_name(hc_step_bound bound) {
-  static const char *const names[] = {"largest step", "velocity", "force",
-                                      "viscosity",    "growth",   "end of run"};
+  static const char *const names[] = {[HC_BOUND_SIZE] = "largest step",
+                                      [HC_BOUND_VELOCITY] = "velocity",
+                                      [HC_BOUND_FORCE] = "force",
+                                      [HC_BOUND_VISCOUS] = "viscosity",
+                                      [HC_BOUND_GROWTH] = "growth",
+                                      [HC_BOUND_ERROR_AVG] = "average density error",
+                                      [HC_BOUND_ERROR_MAX] = "largest density error",
+                                      [HC_BOUND_DEPTH] = "depth of the fluid",
+                                      [HC_BOUND_SHOCK] = "shock",
+                                      [HC_BOUND_END] = "end of run"};
   return names[bound];
 }

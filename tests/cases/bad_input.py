@@ -35,6 +35,15 @@ def changed(old, new):
     return GOOD.replace(old, new, 1)
 
 
+def adaptive(settings, solver=""):
+    return added(f"time_step: {{control: adaptive, adaptive: {{{settings}}}}}\nsolver: {{method: pcisph{solver}}}")
+
+
+def nested(key):
+    word, inner = key.split(".")
+    return f"{word}: {{{inner}: 0}}"
+
+
 DISC = "disc: {position: [9, 9, 9], direction: [0, 0, 1], radius: 1}"
 
 
@@ -68,6 +77,22 @@ SCENES = {
     "negative spacing": (changed("0.1", "-0.1"), "1:19", "particle_spacing must be > 0, not '-0.1'"),
     "zero spacing": (changed("0.1", "0"), "1:19", "particle_spacing must be > 0, not '0'"),
     "tiny spacing": (changed("0.1", "1e-320"), "1:19", "particle_spacing must be 1e-9 to 1e9"),
+    "too many layers": (added("boundary: {layers: 3}"), "4:20", "boundary.layers must be in [0, 2], not '3'"),
+    "walls of another method": (added("boundary: {method: ihmsen2010}"), "4:20",
+                                "boundary.method must be akinci2012 with solver.method dfsph"),
+    "unknown boundary method": (added("boundary: {method: ihmsen}"), "4:20", "one of akinci2012, ihmsen2010"),
+    "laminar without volumes": (changed("{blocks", "{viscosity: {model: laminar}, blocks")
+                                + "solver: {method: pcisph}\nboundary: {method: becker2009}\n", "3:28",
+                                "must not be laminar unless boundary.method is akinci2012"),
+    "more than sticks": (added("boundary: {friction: 1.5}"), "4:22", "boundary.friction must be in [0, 1], not '1.5'"),
+    "negative bounce": (added("boundary: {elasticity: -0.1}"), "4:24", "boundary.elasticity must be in [0, 1]"),
+    "error of one below that of all": (added("solver: {method: pcisph, density_error_avg: 0.01, density_error_max: 0.001}"),
+                                       "4:70", "density_error_max must be 0 or >= solver.density_error_avg"),
+    "unknown correction": (added("solver: {method: pcisph, density_correction: kernel}"), "4:46", "one of none, shepard"),
+    "surface tension that pushes": (changed("{blocks", "{surface_tension: {model: becker2007, coefficient: -1}, blocks"),
+                                    "3:59", "fluid.surface_tension.coefficient must be >= 0"),
+    "unknown surface tension": (changed("{blocks", "{surface_tension: {model: akinci}, blocks"), "3:34",
+                                "one of none, becker2007"),
     "out of range": (added("fluid2: 1\nsolver: {warm_start: 1.5}"), "5:22", "must be in [0, 1], not '1.5'"),
     "NaN": (added("gravity: [0, 0, .nan]"), "4:17", "gravity[2] must be finite, not '.nan'"),
     "infinity": (changed("end_time: 1", "end_time: .inf"), "2:11", "end_time must be finite, not '.inf'"),
@@ -150,6 +175,29 @@ SCENES = {
                                      "0.004"),
     "floor above the constant step": (added("time_step: {control: constant, size: 0.001, min: 0.002}"), "4:50",
                                       "time_step.min must be <= time_step.size, not 0.002 > 0.001"),
+    "a step that changes by nothing": (adaptive("change: 0"), "4:51", "time_step.adaptive.change must be in (0, 0.5], not '0'"),
+    "no restart allowed": (adaptive("restart: {most: 0}"), "4:59", "restart.most must be in [1, 1000], not '0'"),
+    "half a restart": (adaptive("restart: {most: 1.5}"), "4:59", "must be an integer, not '1.5'"),
+    "a restart no shorter": (adaptive("restart: {share: 1}"), "4:60", "restart.share must be in (0, 0.9], not '1'"),
+    "negative rise": (adaptive("shock: {error_rise: -1}"), "4:63", "shock.error_rise must be >= 0, not '-1'"),
+    "growth above shrinking": (adaptive("grow: {force: 0.3}"), "4:57", "time_step.adaptive.grow.force must be <= "
+                               "time_step.adaptive.shrink.force, not 0.3 > 0.2"),
+    "growth in what shrinks": (adaptive("shrink: {error_avg: 0.5}"), "4:63", "grow.error_avg must be <= ", "not 0.9 > 0.5"),
+    "shrinking in a shock": (adaptive("shrink: {velocity: 0.5}"), "4:62", "shrink.velocity must be <= "
+                             "time_step.adaptive.shock.velocity, not 0.5 > 0.45"),
+    "errors below their average": (adaptive("change: 0.01", ", density_error_max: 0.01"), "solver.density_error_avg must be < "
+                                   "solver.density_error_max, not 0.01 >= 0.01"),
+    "a rise beyond the largest error": (adaptive("shock: {error_rise: 0.2}"), "4:63", "time_step.adaptive.shock.error_rise "
+                                        "must be < solver.density_error_max, not 0.2 >= 0.1"),
+    "a rise below the average error": (adaptive("shock: {error_rise: 0.01}"), "solver.density_error_avg must be < "
+                                       "time_step.adaptive.shock.error_rise, not 0.01 >= 0.01"),
+    "negative shocks": (added("faults: {shock_at: -1, shock_again: -1}"), "4:20", "4:37", "faults.shock_at must be >= 0",
+                        "faults.shock_again must be >= 0"),
+    "unknown adaptive key": (adaptive("grows: 1"), "4:43", "unknown key 'time_step.adaptive.grows'"),
+    **{f"no {key}": (adaptive(nested(key)), f"time_step.adaptive.{key} must be > 0, not '0'")
+       for key in ("grow.force", "grow.error_max", "grow.error_avg", "grow.velocity", "shrink.force", "shrink.error_max",
+                   "shrink.error_avg", "shrink.velocity", "shock.velocity", "restart.force", "restart.velocity",
+                   "first.velocity", "first.depth")},
     "negative fault": (added("faults: {nan_at: -1}"), "4:18", "faults.nan_at must be >= 0"),
     "unknown fault": (added("faults: {nan: 1}"), "4:10", "unknown key 'faults.nan'"),
     "gauge outside": (added(f"boundary: {{walls: [{{{WALL}}}]}}\noutput: {{gauges: [{{name: a, type: height, at: [5, 0]}}]}}"),

@@ -55,6 +55,37 @@ def round_tank(case, steps):
     return ranks_agree(case, "tests/cases/round_tank.yaml", (1, 3), (), steps or 100)
 
 
+CORNER = "tests/cases/corner.yaml"
+
+
+def boundary_methods(case, steps):
+    """PCISPH with every boundary method, with and without the correction of densities at the surface."""
+    steps = steps or 40
+    for method, correction, viscosity in (("ihmsen2010", "none", "artificial"), ("ihmsen2010", "shepard", "xsph"),
+                                          ("becker2009", "none", "artificial"), ("harada2007", "shepard", "none"),
+                                          ("akinci2012", "none", "laminar")):
+        settings = (f"boundary.method={method}", f"solver.density_correction={correction}",
+                    f"fluid.viscosity={{model: {viscosity}, coefficient: 0.001}}", "time_step.control=constant",
+                    "time_step.size=0.004", "fluid.surface_tension={model: becker2007, coefficient: 1e-4}")
+        runs = [case.run(CORNER, f"{method}_{correction}_{n}", n, settings, ["--steps", steps]) for n in (1, 3)]
+        compare(case, *runs)
+    return f"{steps} steps with each boundary method are the same on 1 and 3 ranks"
+
+
+def shock(case, steps):
+    """PCISPH through a shock, whose rollback crosses a rebalance."""
+    steps = steps or 70
+    settings = ("solver.density_error_max=0.055",)
+    runs = [case.run(CORNER, f"shock_{n}", n, (*settings, f"parallel.rebalance={'metis' if n > 2 else 'slabs'}",
+                                               "parallel.rebalance_at=59"), ["--steps", steps])
+            for n in (1, 2, 3, 4, 7)]
+    for run in runs[1:]:
+        compare(case, runs[0], run)
+    events = [row["event"] for row in c.steps(runs[0]) if row["event"]]
+    c.expect(events == ["rollback:2"], f"not one rollback by two steps: {events}")
+    return f"{steps} steps with a rollback of two, a rebalance between them, are the same on 1, 2, 3, 4, 7 ranks"
+
+
 def rebalances(output):
     """What load.csv and run.log say of rebalances."""
     load = (output / "load.csv").read_text(encoding="utf-8").count("rebalance")
@@ -110,5 +141,6 @@ def diff_sees(case, steps):
 
 if __name__ == "__main__":
     c.main(__doc__, {"dam_break": dam_break, "vortices": vortices, "gauges": gauges,
-                     "round_tank": round_tank, "rebalanced": rebalanced,
+                     "round_tank": round_tank,
+                     "boundary_methods": boundary_methods, "shock": shock, "rebalanced": rebalanced,
                      "far_away": far_away, "instruction_sets": instruction_sets, "diff_sees": diff_sees})

@@ -159,7 +159,7 @@ START_TEST(container_is_the_shell_for_all_open_faces) {
     for (unsigned open = 0; open < 64; open++) {
       double max[3];
       max_of(sizes[s], max);
-      const hc_sampling sampling = hc_sampling_container(&lattice, corner, max, open);
+      const hc_sampling sampling = hc_sampling_container(&lattice, corner, max, open, 1);
       points expected = brute_force(corner, sizes[s], open, around);
       assert_is(&sampling, &expected);
     }
@@ -172,7 +172,7 @@ START_TEST(solid_is_the_skin_for_all_open_faces) {
     for (unsigned open = 0; open < 64; open++) {
       double max[3];
       max_of(sizes[s], max);
-      const hc_sampling sampling = hc_sampling_solid(&lattice, corner, max, open);
+      const hc_sampling sampling = hc_sampling_solid(&lattice, corner, max, open, 1);
       points expected = brute_force(corner, sizes[s], open, skin);
       assert_is(&sampling, &expected);
     }
@@ -184,7 +184,7 @@ START_TEST(container_has_no_gaps_at_edges_and_corners) {
   const int64_t n[3] = {4, 3, 5};
   double max[3];
   max_of(n, max);
-  const hc_sampling sampling = hc_sampling_container(&lattice, corner, max, 0);
+  const hc_sampling sampling = hc_sampling_container(&lattice, corner, max, 0, 1);
   ck_assert_int_eq(hc_sampling_count(&sampling), 6 * 5 * 7 - 4 * 3 * 5);
   points set = all_points(&sampling);
   sort(&set);
@@ -208,7 +208,7 @@ END_TEST
 START_TEST(container_of_other_lengths_spreads_its_rows) {
   const double min[3] = {0, 0, 0}, max[3] = {10.0333, 0.27, 0.04};
   const int64_t n[3] = {100, 3, 1}, length[3] = {100333, 2700, 400};
-  const hc_sampling sampling = hc_sampling_container(&lattice, min, max, 0);
+  const hc_sampling sampling = hc_sampling_container(&lattice, min, max, 0, 1);
   ck_assert_int_eq(hc_sampling_count(&sampling), 102 * 5 * 3 - 100 * 3 * 1);
   points set = all_points(&sampling);
   sort(&set);
@@ -241,7 +241,7 @@ START_TEST(thin_solids_are_single_layers) {
   } cases[] = {{0.01, 50, 50}, {0.1, 500, 500}, {0.14, 700, 700}, {0.16, 500, 1100}, {0.2, 500, 1500}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
     const double max[3] = {0.3, 0.3, cases[k].length};
-    const hc_sampling sampling = hc_sampling_solid(&lattice, min, max, 0);
+    const hc_sampling sampling = hc_sampling_solid(&lattice, min, max, 0, 1);
     const int64_t layers = cases[k].low == cases[k].high ? 1 : 2;
     ck_assert_int_eq(hc_sampling_count(&sampling), 9 * layers);
     int64_t low[3], high[3];
@@ -266,7 +266,7 @@ START_TEST(planes_lie_behind_their_surface_and_close_periods) {
       at[v] = 0.3;
       normal[axis] = sign * 2.5;
       const double size[2] = {0.8, 0.6};
-      const hc_sampling sampling = hc_sampling_plane(&lattice, at, normal, size);
+      const hc_sampling sampling = hc_sampling_plane(&lattice, at, normal, size, 1);
       ck_assert_int_eq(hc_sampling_count(&sampling), 48);
       points expected = empty(48);
       for (int64_t i = 0; i < 8; i++)
@@ -284,7 +284,7 @@ END_TEST
 /* A plane whose length is no multiple still meets its periodic image with its own step. */
 START_TEST(stretched_plane_closes_its_period) {
   const double at[3] = {0.17, 0.17, 0}, normal[3] = {0, 0, 1}, size[2] = {0.34, 0.34};
-  const hc_sampling sampling = hc_sampling_plane(&lattice, at, normal, size);
+  const hc_sampling sampling = hc_sampling_plane(&lattice, at, normal, size, 1);
   ck_assert_int_eq(hc_sampling_count(&sampling), 9);
   int64_t first[3], second[3], last[3];
   hc_sampling_point(&sampling, 0, first);
@@ -299,7 +299,7 @@ END_TEST
 START_TEST(oblique_plane_is_a_flat_square_lattice) {
   const double at[3] = {0.1, -0.2, 0.3}, normal[3] = {1, -2, 2}, size[2] = {0.5, 0.3};
   const double unit[3] = {1.0 / 3, -2.0 / 3, 2.0 / 3};
-  const hc_sampling sampling = hc_sampling_plane(&lattice, at, normal, size);
+  const hc_sampling sampling = hc_sampling_plane(&lattice, at, normal, size, 1);
   ck_assert_int_eq(hc_sampling_count(&sampling), 15);
   points set = all_points(&sampling);
   double mean[3] = {0, 0, 0};
@@ -335,10 +335,10 @@ static void sample_kinds(const hc_lattice *on, hc_sampling kinds[5]) {
   const double max[3] = {0.52, 1.23, 1.77}, normal[3] = {0, -1, 0}, oblique[3] = {1, 1, 3};
   const double size[2] = {0.7, 0.55};
   kinds[0] = hc_sampling_block(on, corner, max);
-  kinds[1] = hc_sampling_container(on, corner, max, 32);
-  kinds[2] = hc_sampling_solid(on, corner, max, 0);
-  kinds[3] = hc_sampling_plane(on, corner, normal, size);
-  kinds[4] = hc_sampling_plane(on, corner, oblique, size);
+  kinds[1] = hc_sampling_container(on, corner, max, 32, 1);
+  kinds[2] = hc_sampling_solid(on, corner, max, 0, 1);
+  kinds[3] = hc_sampling_plane(on, corner, normal, size, 1);
+  kinds[4] = hc_sampling_plane(on, corner, oblique, size, 1);
 }
 
 START_TEST(any_order_of_access_gives_the_same_points) {
@@ -405,9 +405,9 @@ START_TEST(huge_samplings_are_counted_or_refused) {
                too_long[3] = {1e9, 0.1, 0.1};
   hc_sampling sampling = hc_sampling_block(&lattice, min, large);
   ck_assert_int_eq(hc_sampling_count(&sampling), INT64_C(1000000) * 1000000 * 1000000);
-  sampling = hc_sampling_container(&lattice, min, long_one, 3);
+  sampling = hc_sampling_container(&lattice, min, long_one, 3, 1);
   ck_assert_int_eq(hc_sampling_count(&sampling), 8000000);
-  sampling = hc_sampling_container(&lattice, min, too_long, 3);
+  sampling = hc_sampling_container(&lattice, min, too_long, 3, 1);
   ck_assert_int_eq(hc_sampling_count(&sampling), INT64_MAX);
   sampling = hc_sampling_block(&lattice, min, (const double[3]){1e7, 1e7, 1e7});
   ck_assert_int_eq(hc_sampling_count(&sampling), INT64_MAX);

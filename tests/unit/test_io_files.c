@@ -97,6 +97,7 @@ static hc_step_row step_row(int64_t step) {
                        .density_error_avg = 1e-4,
                        .v_max = 2.5,
                        .fluid_particles = 1000,
+                       .force_max = 9.5,
                        .active_fraction = 1,
                        .active_boundary_fraction = 0.25,
                        .event = step == 2 ? "rollback+cap" : NULL};
@@ -113,9 +114,10 @@ START_TEST(tables_hold_their_rows) {
   }
   const char *const steps =
       "step,time,dt,iterations_density,iterations_divergence,density_error_avg,density_error_max,v_max,a_max,"
-      "kinetic_energy,potential_energy,fluid_particles,active_fraction,active_boundary_fraction,event\n"
-      "1,0.1,0.001,3,4,0.0001,0,2.5,0,0,0,1000,1,0.25,\n"
-      "2,0.2,0.001,3,4,0.0001,0,2.5,0,0,0,1000,1,0.25,rollback+cap\n";
+      "kinetic_energy,potential_energy,fluid_particles,active_fraction,active_boundary_fraction,event,force_"
+      "max\n"
+      "1,0.1,0.001,3,4,0.0001,0,2.5,0,0,0,1000,1,0.25,,9.5\n"
+      "2,0.2,0.001,3,4,0.0001,0,2.5,0,0,0,1000,1,0.25,rollback+cap,9.5\n";
   ck_assert_str_eq(content("steps.csv"), steps); /* before the close: every row is in the file */
   ck_assert_int_eq(hc_tables_close(&tables, &error), HC_OK);
   ck_assert_str_eq(content("load.csv"), "step,wall_seconds,imbalance,ghosts_max,bytes_sent_max,event\n"
@@ -147,6 +149,33 @@ START_TEST(tables_go_on_after_a_restart) {
   fclose(file);
   ck_assert_int_eq(hc_tables_open(&tables, directory, "", 5, 0, &error), HC_IO_FAILED);
   ck_assert_msg(strstr(error.text, "its first line must be step,wall_seconds"), "%s", error.text);
+}
+END_TEST
+
+START_TEST(tables_take_rows_back) {
+  hc_tables tables;
+  ck_assert_int_eq(hc_tables_open(&tables, directory, ",depth", -1, 0, &error), HC_OK);
+  char whole[3][4096] = {""};
+  static const char *const names[] = {"steps.csv", "load.csv", "gauges.csv"};
+  for (int round = 0; round < 3; round++) { /* of five rows each, of which two are taken back */
+    for (int64_t step = 3 * round + 1; step <= 3 * round + 5; step++) {
+      const hc_step_row row = step_row(step);
+      const hc_load_row load = {step, 0.5, 1.25, 17, 4096, ""};
+      const double depth = 0.5;
+      ck_assert_int_eq(hc_tables_add_step(&tables, &row, &error), HC_OK);
+      ck_assert_int_eq(hc_tables_add_load(&tables, &load, &error), HC_OK);
+      ck_assert_int_eq(hc_tables_add_gauges(&tables, row.time, &depth, 1, &error), HC_OK);
+      if (step == 3 * round + 3)
+        for (int k = 0; k < 3; k++) snprintf(whole[k], sizeof whole[k], "%.4000s", content(names[k]));
+    }
+    ck_assert_int_eq(hc_tables_cut(&tables, 3 * round + 3, step_row(3 * round + 3).time, &error), HC_OK);
+    for (int k = 0; k < 3; k++) ck_assert_str_eq(content(names[k]), whole[k]);
+  }
+  ck_assert_int_eq(hc_tables_cut(&tables, 99, 99.0, &error), HC_OK); /* nothing */
+  ck_assert_str_eq(content("steps.csv"), whole[0]);
+  ck_assert_int_eq(hc_tables_close(&tables, &error), HC_OK);
+  hc_tables none = {0};
+  ck_assert_int_eq(hc_tables_cut(&none, 1, 1.0, &error), HC_OK);
 }
 END_TEST
 
@@ -303,6 +332,7 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, numbers_round_trip);
   tcase_add_test(tests, tables_hold_their_rows);
   tcase_add_test(tests, tables_go_on_after_a_restart);
+  tcase_add_test(tests, tables_take_rows_back);
   tcase_add_test(tests, a_full_disk_ends_a_table);
   tcase_add_test(tests, other_ranks_tables_and_logs_do_nothing);
   tcase_add_test(tests, a_log_echoes_a_kind_of_warning_once);

@@ -181,7 +181,7 @@ START_TEST(poses_do_not_add_up) {
   const size_t bytes = 3 * (size_t)boundary.own * sizeof *boundary.position;
   int64_t *once = hc_alloc(1, bytes), *start = hc_alloc(1, bytes);
   memcpy(start, boundary.position, bytes);
-  for (int32_t k = 0; k < boundary.own; k++) boundary.normal[3 * k] = 1.0f;
+  for (int32_t k = 0; k < 3 * boundary.own; k++) boundary.normal[k] = k % 3 == 0;
   hc_moving_walls_start(&boundary);
   static const double times[] = {1.0, 0.0, 0.3, 0.7, 0.2, 1.0};
   for (int k = 0; k < 6; k++) {

@@ -185,8 +185,8 @@ START_TEST(walls_are_one_even_layer) {
   wall walls[12];
   const int count = make_walls(walls);
   for (int w = 0; w < count; w++) {
-    hc_sampling sampling = hc_round_wall(&lattice, &walls[w].shape, walls[w].solid);
-    const hc_shape layer = hc_shape_layer(&walls[w].shape, DX, walls[w].solid);
+    hc_sampling sampling = hc_round_wall(&lattice, &walls[w].shape, walls[w].solid, 1);
+    const hc_shape layer = hc_shape_layer(&walls[w].shape, DX, walls[w].solid, 0);
     const points set = all_points(&sampling);
     ck_assert_msg(fabs((double)set.count * DX * DX / walls[w].area - 1) < 0.12, "wall %d: %lld on %g m2", w,
                   (long long)set.count, walls[w].area);
@@ -209,8 +209,8 @@ START_TEST(walls_have_no_gaps) {
   wall walls[12];
   const int count = make_walls(walls);
   for (int w = 0; w < count; w++) {
-    hc_sampling sampling = hc_round_wall(&lattice, &walls[w].shape, walls[w].solid);
-    const hc_shape layer = hc_shape_layer(&walls[w].shape, DX, walls[w].solid);
+    hc_sampling sampling = hc_round_wall(&lattice, &walls[w].shape, walls[w].solid, 1);
+    const hc_shape layer = hc_shape_layer(&walls[w].shape, DX, walls[w].solid, 0);
     const points set = all_points(&sampling);
     const double reach = hc_shape_reach(&layer), *const c = layer.centre;
     int hits = 0;
@@ -234,7 +234,7 @@ START_TEST(open_ends_are_open) {
   for (unsigned open = 0; open < 4; open++)
     for (int solid = 0; solid < 2; solid++) {
       const hc_shape cylinder = hc_shape_cylinder(base, upright, 0.6, 1.0, open);
-      hc_sampling sampling = hc_round_wall(&lattice, &cylinder, solid);
+      hc_sampling sampling = hc_round_wall(&lattice, &cylinder, solid, 1);
       const points set = all_points(&sampling);
       int64_t middles[2] = {0, 0}, beyond[2] = {0, 0}, rims[2] = {0, 0};
       for (int64_t k = 0; k < set.count; k++) {
@@ -259,10 +259,10 @@ END_TEST
 
 START_TEST(thin_solids_are_lines_and_points) {
   const hc_shape bead = hc_shape_sphere(base, 0.05), rod = hc_shape_cylinder(base, slanted, 0.05, 1.0, 0);
-  hc_sampling sampling = hc_round_wall(&lattice, &bead, true);
+  hc_sampling sampling = hc_round_wall(&lattice, &bead, true, 1);
   ck_assert_int_eq(hc_sampling_count(&sampling), 1);
   hc_sampling_free(&sampling);
-  sampling = hc_round_wall(&lattice, &rod, true);
+  sampling = hc_round_wall(&lattice, &rod, true, 1);
   ck_assert_int_eq(hc_sampling_count(&sampling), 10);
   const points set = all_points(&sampling);
   for (int64_t k = 1; k < 10; k++)
@@ -311,7 +311,7 @@ END_TEST
 /* Fluid in a container of the same shape starts a spacing from the samples. */
 START_TEST(fluid_fits_its_container) {
   const hc_shape shape = hc_shape_cylinder(base, slanted, 0.55, 1.2, 0);
-  hc_sampling fluid = hc_round_fill(&lattice, &shape), around = hc_round_wall(&lattice, &shape, false);
+  hc_sampling fluid = hc_round_fill(&lattice, &shape), around = hc_round_wall(&lattice, &shape, false, 1);
   const points inner = all_points(&fluid), outer = all_points(&around);
   double least = INFINITY;
   for (int64_t k = 0; k < inner.count; k++) least = fmin(least, nearest(&outer, inner.at[k].x, -1));
@@ -333,8 +333,8 @@ START_TEST(rows_bounds_and_origins) {
   for (int w = 0; w < 2 * count; w++) {
     const hc_shape *const shape = &walls[w / 2].shape;
     const bool solid = walls[w / 2].solid;
-    hc_sampling here = w % 2 ? hc_round_fill(&lattice, shape) : hc_round_wall(&lattice, shape, solid);
-    hc_sampling there = w % 2 ? hc_round_fill(&moved, shape) : hc_round_wall(&moved, shape, solid);
+    hc_sampling here = w % 2 ? hc_round_fill(&lattice, shape) : hc_round_wall(&lattice, shape, solid, 1);
+    hc_sampling there = w % 2 ? hc_round_fill(&moved, shape) : hc_round_wall(&moved, shape, solid, 1);
     const points set = all_points(&here);
     int64_t low[3], high[3], rows = 0;
     hc_sampling_bounds(&here, low, high);
@@ -364,7 +364,7 @@ END_TEST
 
 START_TEST(huge_shapes_are_counted_or_refused) {
   const hc_shape pipe = hc_shape_cylinder(base, upright, 0.5, 1e6, 3);
-  hc_sampling sampling = hc_round_wall(&lattice, &pipe, false);
+  hc_sampling sampling = hc_round_wall(&lattice, &pipe, false, 1);
   ck_assert_int_eq(hc_sampling_count(&sampling), INT64_C(10000000) * 35);
   hc_sampling_free(&sampling);
   sampling = hc_round_fill(&lattice, &pipe);
@@ -376,7 +376,7 @@ START_TEST(huge_shapes_are_counted_or_refused) {
     const hc_shape *const shapes[2] = {&ball, &drum};
     for (int s = 0; s < 4; s++) {
       sampling =
-          s % 2 ? hc_round_wall(&lattice, shapes[s / 2], false) : hc_round_fill(&lattice, shapes[s / 2]);
+          s % 2 ? hc_round_wall(&lattice, shapes[s / 2], false, 1) : hc_round_fill(&lattice, shapes[s / 2]);
       ck_assert_int_eq(hc_sampling_count(&sampling), INT64_MAX);
       hc_sampling_free(&sampling);
     }

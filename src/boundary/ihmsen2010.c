@@ -1,0 +1,45 @@
+/* Ihmsen, Akinci, Gissler, Teschner 2010, "Boundary handling and adaptive time-stepping for PCISPH", section
+ * 3.2.
+ *
+ * A particle nearer than r0 (one spacing) to boundary samples is moved along the weighted mean of their
+ * normals (eq. 9 to 11) and loses its velocity along it (eq. 12). Boundary samples count as fluid in
+ * densities, and those near fluid have a predicted density and a pressure like fluid (eq. 13), which pushes
+ * before contact is made. With samples r0 apart in a single layer, rho_b stays below the rest density and p_b
+ * at 0: it takes two layers. Where normals cancel, as between two faces of a thin plate, there is nothing to
+ * go along, and the particle is left where it is. */
+#include "boundary.h"
+
+void hc_boundary_prepare_frozen(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
+                                const hc_neighbors *list, double factor) {
+  (void)factor;
+  /* With factor 1, volume = 1/sum W and V sum W = V/volume. */
+  sweeps->boundary_volume(sweep, boundary, list, 1.0f);
+  for (int32_t b = 0; b < boundary->own; b++) {
+    boundary->boundary_share[b] = sweep->volume / boundary->volume[b];
+    boundary->volume[b] = sweep->volume;
+    boundary->place[b].scalar = 0.0f;
+  }
+}
+
+static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end) {
+  collision->sweeps->contacts(collision->sweep, HC_CONTACT_WEIGHTED, collision->contacts, begin, end);
+  static const float stands[3];
+  const bool moved = collision->respond && collision->velocities;
+  if (moved) collision->sweeps->wall_velocities(collision->sweep, collision->velocities, begin, end);
+  int64_t held = 0;
+  for (int32_t i = begin; i < end; i++) {
+    const hc_record contact = collision->contacts[i];
+    if (!(contact.scalar > 0.0f)) continue;
+    collision->contacts[i] = (hc_record){.scalar = 0.0f};
+    double n[3];
+    if (!hc_collision_direction(&contact, n)) continue;
+    hc_collision_shift(collision, i, contact.scalar, n);
+    if (collision->respond)
+      hc_collision_respond(collision, i, n, moved ? collision->velocities[i].v : stands);
+    held++;
+  }
+  return held;
+}
+
+const hc_boundary_ops hc_boundary_ihmsen2010 = {"ihmsen2010", HC_WALLS_PRESSURE, hc_boundary_prepare_frozen,
+                                                NULL, collide};

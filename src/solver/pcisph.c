@@ -1,0 +1,233 @@
+/* Predictive-corrective incompressible SPH (Solenthaler and Pajarola 2009) as Ihmsen, Akinci, Gissler,
+ * Teschner 2010 print it: algorithms 1 and 2, with the world collision inside the loop and any boundary
+ * method.
+ *
+ * Positions are predicted from velocities, non-pressure forces and the pressures so far, moved out of walls,
+ * and the densities there raise the pressures, three times or until the errors are small. Pressures start at
+ * zero in every step. Densities and errors are fractions of the rest density; pressures divided by it have
+ * the unit m2/s2. Neighbours stay those of the step's beginning, distances are those of the prediction, in
+ * the kernel's gradient too. The errors reported are those of the last prediction, before the last
+ * correction, as in the paper. */
+#include "solver.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A step under way. */
+typedef struct pcisph {
+  hc_world *world;
+  const hc_solver_settings *settings;
+  double dt;
+  hc_prediction prediction;
+  hc_collision collision;
+  int64_t held; /* particles in walls at the last prediction */
+} pcisph;
+
+static hc_prediction prediction_of(const hc_world *world, const hc_solver_settings *settings, double dt) {
+  const double volume = world->sweep.volume;
+  return (hc_prediction){
+      .shepard = settings->shepard,
+      .negative = settings->negative_pressure,
+      .stiffness = dt > 0.0 ? (float)(0.5 / (volume * volume * dt * dt * settings->gradient_square)) : 0.0f,
+      .dt = (float)dt,
+      .weights = settings->wall_weights};
+}
+
+/* ---- predictions ---- */
+
+/* Places of own particles [begin, end) at the end of the step, out of walls. */
+static void predict_places(pcisph *step, bool with_push, int32_t begin, int32_t end) {
+  hc_particles *fluid = &step->world->fluid;
+  const hc_frame *frame = &step->world->frame;
+  double units[3];
+  for (int axis = 0; axis < 3; axis++) units[axis] = step->dt / frame->unit[axis];
+  for (int32_t i = begin; i < end; i++) {
+    const size_t at = 3 * (size_t)i;
+    for (size_t axis = 0; axis < 3; axis++) {
+      const double velocity = fluid->velocity[at + axis] + (with_push ? (double)fluid->push[at + axis] : 0.0);
+      fluid->place[i].x[axis] =
+          (int32_t)(uint32_t)(uint64_t)(fluid->position[at + axis] + llrint(velocity * units[axis]));
+    }
+  }
+  if (step->world->boundary_ops->collide)
+    step->held += step->world->boundary_ops->collide(&step->collision, begin, end);
+}
+
+/* Densities, errors and pressures of own particles [begin, end). */
+static void predict_densities(const pcisph *step, int32_t begin, int32_t end, hc_error_total *total) {
+  const hc_world *world = step->world;
+  world->sweeps->predicted_density(&world->sweep, &step->prediction, begin, end, total);
+}
+
+/* The densities of a surface corrected by the kernel sum: a second sweep, which needs its neighbours' first.
+ */
+static void correct_densities(const pcisph *step, hc_error_total *total) {
+  hc_world *world = step->world;
+  const int32_t border = world->fluid.border, own = world->fluid.own;
+  hc_halo_begin(&world->halo, HC_HALO_MOTION);
+  world->sweeps->corrected_density(&world->sweep, &step->prediction, border, own, total);
+  hc_halo_end(&world->halo);
+  world->sweeps->corrected_density(&world->sweep, &step->prediction, 0, border, total);
+}
+
+/* One prediction: where particles will be, how dense, and the pressures against that; ghosts' too. */
+static hc_error_total predict(pcisph *step, bool with_push) {
+  hc_world *world = step->world;
+  const int32_t border = world->fluid.border, own = world->fluid.own;
+  hc_error_total total;
+  memset(&total, 0, sizeof total);
+  step->held = 0;
+  predict_places(step, with_push, 0, border);
+  hc_halo_begin(&world->halo, HC_HALO_PLACE);
+  predict_places(step, with_push, border, own);
+  predict_densities(step, border, own, &total);
+  hc_halo_end(&world->halo);
+  predict_densities(step, 0, border, &total);
+  if (step->prediction.shepard) correct_densities(step, &total);
+
+  hc_halo_begin(&world->halo, HC_HALO_PLACE_SCALAR);
+  if (step->world->boundary_ops->walls == HC_WALLS_PRESSURE) {
+    world->sweeps->boundary_density(&world->sweep, &step->prediction, 0, world->boundary.own);
+    hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
+  }
+  world->sweeps->push(&world->sweep, &step->prediction, border, own);
+  hc_halo_end(&world->halo);
+  world->sweeps->push(&world->sweep, &step->prediction, 0, border);
+  return total;
+}
+
+/* ---- the step ---- */
+
+static void start(pcisph *step) {
+  hc_particles *fluid = &step->world->fluid, *boundary = &step->world->boundary;
+  memset(fluid->pressure, 0, (size_t)fluid->own * sizeof *fluid->pressure);
+  if (step->world->boundary_ops->walls == HC_WALLS_MIRRORED)
+    step->world->sweeps->wall_sums(&step->world->sweep, 0, fluid->own);
+  if (step->world->boundary_ops->walls != HC_WALLS_PRESSURE) return;
+  memset(boundary->pressure, 0, (size_t)boundary->own * sizeof *boundary->pressure);
+  for (int32_t b = 0; b < boundary->own + boundary->ghosts; b++) boundary->place[b].scalar = 0.0f;
+}
+
+/* Walls that move are met where they will be. */
+static void predict_walls(const pcisph *step) {
+  hc_world *world = step->world;
+  hc_particles *boundary = &world->boundary;
+  if (!world->sweep.walls_move) return;
+  for (int32_t b = 0; b < boundary->own + boundary->ghosts; b++)
+    for (int axis = 0; axis < 3; axis++)
+      boundary->place[b].x[axis] = (int32_t)((uint32_t)boundary->place[b].x[axis] +
+                                             (uint32_t)(int32_t)llrint((double)boundary->motion[b].v[axis] *
+                                                                       step->dt / world->frame.unit[axis]));
+  world->walls_moved = true; /* the next update puts them right */
+}
+
+/* Inverse densities for the forces that read them. */
+static void find_densities(const pcisph *step) {
+  hc_world *world = step->world;
+  if (step->settings->viscosity != HC_VISCOUS_XSPH) return;
+  hc_prediction prediction = step->prediction;
+  prediction.shepard = true; /* leaves 1/density in motion */
+  hc_error_total none;
+  world->sweeps->predicted_density(&world->sweep, &prediction, 0, world->fluid.own, &none);
+  hc_halo_refresh(&world->halo, HC_HALO_MOTION);
+}
+
+/* Predicts and corrects, density_min times or until the errors are small. Returns whether they are numbers.
+ */
+static bool iterate(pcisph *step, hc_step_report *report) {
+  hc_world *world = step->world;
+  const hc_solver_settings *settings = step->settings;
+  const double particles = world->fluid_total > 0 ? (double)world->fluid_total : 1.0;
+  for (;;) {
+    const hc_error_total total = predict(step, report->density_iterations > 0);
+    report->density_iterations++;
+    if (report->density_iterations == 1) hc_fault_watch_density(world, &report->fault);
+    if (report->density_iterations < settings->density_min) continue;
+    hc_sum sum = hc_error_sum(&total);
+    report->density_error_max = total.max;
+    hc_comm_sum_exact(world->comm, &sum, 1);
+    hc_comm_max_f64(world->comm, &report->density_error_max, 1);
+    report->density_error_avg = hc_sum_value(&sum) / particles;
+    if (!isfinite(report->density_error_avg)) return false;
+    if (report->density_error_max <= settings->density_error_max &&
+        report->density_error_avg <= settings->density_error_avg)
+      return true;
+    if (report->density_iterations < settings->density_max) continue;
+    report->density_capped = settings->density_max > settings->density_min;
+    return true;
+  }
+}
+
+/* Where particles go in the end, and their velocities: (11) and (12). */
+static hc_move_to finish(pcisph *step) {
+  hc_world *world = step->world;
+  hc_particles *fluid = &world->fluid;
+  for (size_t k = 0; k < 3 * (size_t)fluid->own; k++) fluid->velocity[k] += (double)fluid->push[k];
+  step->collision.respond = true;
+  step->held = 0;
+  if (world->boundary_ops->collide) {
+    predict_places(step, false, 0, fluid->own);
+    return HC_MOVE_TO_PLACE;
+  }
+  for (int32_t i = 0; i < fluid->own; i++) /* where the forces on walls are measured */
+    for (size_t axis = 0; axis < 3; axis++)
+      fluid->place[i].x[axis] = (int32_t)(uint32_t)(uint64_t)fluid->position[3 * (size_t)i + axis];
+  return HC_MOVE_BY_VELOCITY;
+}
+
+/* Algorithms 1 and 2; the neighbourhoods are found by hc_world_update before. */
+static hc_status advance(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
+                         hc_step_report *report, hc_error *error) {
+  (void)dt_before;
+  memset(report, 0, sizeof *report);
+  hc_remember_velocities(world);
+  hc_fault_watch_start(world, dt, &report->fault);
+  pcisph step = {.world = world,
+                 .settings = settings,
+                 .dt = dt,
+                 .prediction = prediction_of(world, settings, dt),
+                 .collision = {.sweeps = world->sweeps,
+                               .sweep = &world->sweep,
+                               .unit = world->frame.unit,
+                               .friction = settings->friction,
+                               .elasticity = settings->elasticity,
+                               .dt = dt}};
+  hc_reserve((void **)&world->contacts, &world->contact_room, 2 * (size_t)world->fluid.own, 0,
+             sizeof *world->contacts);
+  step.collision.contacts = world->contacts;
+  step.collision.velocities = world->sweep.walls_move ? world->contacts + world->fluid.own : NULL;
+  world->sweep.contacts = world->boundary_ops->collide ? world->contacts : NULL;
+
+  /* forces but pressure; v takes them in at once */
+  hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);
+  find_densities(&step);
+  start(&step);
+  const float *change = hc_find_forces(world, settings, dt);
+  predict_walls(&step);
+  for (size_t k = 0; k < 3 * (size_t)world->fluid.own; k++)
+    world->fluid.velocity[k] += (double)change[k] + dt * settings->gravity[k % 3];
+
+  /* predict, correct */
+  hc_stopwatch_enter(&world->watch, HC_STAGE_PRESSURE);
+  const bool sound = iterate(&step, report);
+  report->force_max = hc_largest_force(world, settings, dt, change, world->fluid.push);
+
+  /* v and x of the step's end, out of walls */
+  hc_stopwatch_enter(&world->watch, HC_STAGE_MOVE);
+  const hc_move_to to = finish(&step);
+  report->contacts = step.held;
+  return hc_move(world, settings, dt, to, !sound, report, error);
+}
+
+static void densities(hc_world *world, const hc_solver_settings *settings) {
+  const hc_prediction prediction = prediction_of(world, settings, 0.0);
+  hc_error_total none;
+  memset(&none, 0, sizeof none);
+  const pcisph step = {.world = world, .prediction = prediction};
+  predict_densities(&step, 0, world->fluid.own, &none);
+  if (prediction.shepard) correct_densities(&step, &none);
+}
+
+const hc_solver_ops hc_solver_pcisph = {"pcisph", advance, densities};

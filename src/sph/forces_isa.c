@@ -1,0 +1,135 @@
+/* Forces between particles besides the pressure, compiled once per instruction set. See sweeps.h for what
+ * each computes. */
+#include "pairs.h"
+
+/* Keeps divisions by r^2 finite: 0.01 smoothing lengths squared (half a support radius each). */
+#define GUARD 0.0025f
+
+/* What of the particle itself a viscous force needs. */
+typedef struct viscous_self {
+  vector velocity;
+  hc_float inverse_density;
+  vector normal; /* of the wall, of unit length or zero */
+} viscous_self;
+
+/* Adds one pair's viscous force. `volume` is the neighbours', 0 in lanes to drop. */
+typedef void viscous_pair(vector_sums *sum, int part, const viscous_self *own, const pair *p,
+                          const vector *relative, hc_float volume, hc_float inverse_density);
+
+HC_INLINE void pair_xsph(vector_sums *sum, int part, const viscous_self *own, const pair *p,
+                         const vector *relative, hc_float volume, hc_float inverse_density) {
+  add_scaled(sum, part, volume * (own->inverse_density + inverse_density) * kernel(p->q), relative);
+}
+
+HC_INLINE void pair_laminar(vector_sums *sum, int part, const viscous_self *own, const pair *p,
+                            const vector *relative, hc_float volume, hc_float inverse_density) {
+  (void)own, (void)inverse_density;
+  /* x . grad W/(r^2 + 0.01 (h/2)^2) = q^2 (W'(q)/q)/(q^2 + 0.0025) / h^2 */
+  add_scaled(sum, part, volume * slope_over_q(p->q) * p->q2 / (p->q2 + hc_set(GUARD)), relative);
+}
+
+HC_INLINE void pair_artificial(vector_sums *sum, int part, const viscous_self *own, const pair *p,
+                               const vector *relative, hc_float volume, hc_float inverse_density) {
+  (void)own, (void)inverse_density;
+  const hc_float approach = hc_min(dot_pair(relative, p), hc_set(0.0f));
+  const vector d = direction(p);
+  add_scaled(sum, part, volume * approach * slope_over_q(p->q) / (p->q2 + hc_set(GUARD)), &d);
+}
+
+/* From the velocity relative to the wall to that relative to its sample behind the wetted surface. */
+HC_INLINE vector relative_to_surface(const hc_sweep *sweep, const viscous_self *own, const pair *p,
+                                     const vector *relative) {
+  const hc_float behind = hc_set(sweep->wall_offset), distance = dot_pair(&own->normal, p);
+  const hc_float before = hc_max(hc_max(distance, hc_set(0.0f) - distance) - behind, behind);
+  const hc_float factor = hc_set(1.0f) + behind / before;
+  return (vector){factor * relative->x, factor * relative->y, factor * relative->z};
+}
+
+HC_INLINE vector wall_normal(const float gradient[3]) {
+  const float square = gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2];
+  const float scale = square > 0.0f ? 1.0f / sqrtf(square) : 0.0f;
+  return (vector){hc_set(scale * gradient[0]), hc_set(scale * gradient[1]), hc_set(scale * gradient[2])};
+}
+
+/* Pulls towards the neighbours, whatever their velocity. */
+HC_INLINE void pair_cohesion(vector_sums *sum, int part, const viscous_self *own, const pair *p,
+                             const vector *relative, hc_float volume, hc_float inverse_density) {
+  (void)own, (void)relative, (void)inverse_density;
+  const vector d = direction(p);
+  add_scaled(sum, part, volume * kernel(p->q), &d);
+}
+
+/* How walls take part: not at all, as particles, or holding the fluid at the wetted surface. */
+typedef enum wall_part { NO_WALLS, AS_PARTICLES, NO_SLIP } wall_part;
+
+HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls_are, float weight,
+                       float *change, int32_t begin, int32_t end) {
+  const hc_particles *fluid = sweep->fluid;
+  const hc_float volume = hc_set(sweep->volume);
+  if (sweep->walls_add != HC_WALLS_MIRRORED) walls_are = NO_WALLS; /* no volumes; contacts have friction */
+  block_vectors changes;
+  for (int32_t first = begin; first < end; first += BLOCK) {
+    const int32_t count = block_size(first, end);
+    for (int32_t k = 0; k < count; k++) {
+      const int32_t i = first + k;
+      const self own = make_self(sweep, &fluid->place[i]);
+      const viscous_self state = {spread_velocity(&fluid->motion[i]), hc_set(fluid->motion[i].scalar),
+                                  wall_normal(&fluid->wall_gradient[3 * (size_t)i])};
+      vector_sums sum = no_sums();
+      const row row = row_of(sweep->list, i);
+      for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+        for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+          const int32_t at = pass + part * HC_GROUP;
+          const pair p = load_pair(&own, fluid->place, row.offset + at);
+          hc_float inverse;
+          const vector other = load_velocity(fluid->motion, row.offset + at, &inverse);
+          const vector relative = relative_velocity(&state.velocity, &other);
+          add(&sum, part, &state, &p, &relative, hc_keep_groups(volume, row.entries - at), inverse);
+        }
+      }
+      const struct row walls = row_of(sweep->walls, i);
+      for (int32_t pass = 0; walls_are != NO_WALLS && pass < walls.entries; pass += 2 * HC_GROUP) {
+        for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < walls.entries; part++) {
+          const int32_t at = pass + part * HC_GROUP;
+          const pair p = load_pair(&own, sweep->boundary->place, walls.offset + at);
+          vector relative = state.velocity;
+          if (sweep->walls_move) {
+            hc_float unused;
+            const vector other = load_velocity(sweep->boundary->motion, walls.offset + at, &unused);
+            relative = relative_velocity(&state.velocity, &other);
+          }
+          if (walls_are == NO_SLIP) relative = relative_to_surface(sweep, &state, &p, &relative);
+          add(&sum, part, &state, &p, &relative, hc_keep(p.scalar, walls.count - at), hc_set(1.0f));
+        }
+      }
+      store_vector(&changes, k, &sum);
+    }
+    add_up_vectors(&changes, count);
+    for (int32_t k = 0; k < count; k++) {
+      float *to = &change[3 * (size_t)(first + k)];
+      to[0] = weight * changes.x.total[k];
+      to[1] = weight * changes.y.total[k];
+      to[2] = weight * changes.z.total[k];
+    }
+  }
+}
+
+void HC_ISA_SYMBOL(hc_xsph)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end) {
+  viscous(sweep, pair_xsph, NO_WALLS, -0.5f * weight * sweep->kernel, change, begin, end);
+}
+
+void HC_ISA_SYMBOL(hc_laminar)(const hc_sweep *sweep, float weight, float *change, int32_t begin,
+                               int32_t end) {
+  viscous(sweep, pair_laminar, NO_SLIP, 2.0f * weight * sweep->gradient / sweep->support, change, begin, end);
+}
+
+void HC_ISA_SYMBOL(hc_artificial)(const hc_sweep *sweep, float weight, float *change, int32_t begin,
+                                  int32_t end) {
+  viscous(sweep, pair_artificial, AS_PARTICLES, weight * sweep->gradient / sweep->support, change, begin,
+          end);
+}
+
+void HC_ISA_SYMBOL(hc_cohesion)(const hc_sweep *sweep, float weight, float *change, int32_t begin,
+                                int32_t end) {
+  viscous(sweep, pair_cohesion, NO_WALLS, -weight * sweep->kernel * sweep->support, change, begin, end);
+}

@@ -1,0 +1,208 @@
+/* What the pair sweeps of one instruction set share. Included by the *_isa.c files of this room only.
+ *
+ * Every loop has one shape: a vector's worth of neighbours' records is loaded and transposed, differences are
+ * taken exactly on the fixed-point positions, lane sums reduced at the end, even and odd groups apart (see
+ * simd.h). Entries that fill up a particle's last group hold the particle itself: its distance is zero, and
+ * whatever has a gradient or a velocity difference in it adds exactly zero. Where that does not help, lanes
+ * beyond the count are masked. */
+#ifndef HC_PAIRS_H
+#define HC_PAIRS_H
+
+#include "base/simd.h"
+#include "sweeps.h"
+
+enum { PREFETCH = 2048 }; /* bytes of the list ahead of use; without it large sets run at half the speed */
+
+/* Neighbours relative to the particle. */
+typedef struct pair {
+  hc_float x, y, z; /* x_i - x_j in support radii */
+  hc_float q2, q;
+  hc_float scalar; /* place.scalar of the neighbours */
+} pair;
+
+typedef struct vector {
+  hc_float x, y, z;
+} vector;
+
+/* Sums under way, lane by lane, even and odd groups apart (see simd.h). */
+typedef struct sums {
+  hc_float part[HC_PARTS];
+} sums;
+
+typedef struct vector_sums {
+  sums x, y, z;
+} vector_sums;
+
+/* The particle itself, spread over the lanes. */
+typedef struct self {
+  hc_int x, y, z;
+  hc_float scale_x, scale_y, scale_z;
+} self;
+
+/* A particle's neighbours in a list. */
+typedef struct row {
+  const uint32_t *offset;
+  int32_t entries; /* in whole groups */
+  int32_t count;
+} row;
+
+HC_INLINE row row_of(const hc_neighbors *list, int32_t i) {
+  const uint32_t first = list->start[i];
+  return (row){list->offset + (size_t)first * HC_GROUP, (int32_t)(list->start[i + 1] - first) * HC_GROUP,
+               list->count[i]};
+}
+
+HC_INLINE self make_self(const hc_sweep *sweep, const hc_record *place) {
+  return (self){hc_set_int(place->x[0]), hc_set_int(place->x[1]), hc_set_int(place->x[2]),
+                hc_set(sweep->scale[0]), hc_set(sweep->scale[1]), hc_set(sweep->scale[2])};
+}
+
+HC_INLINE pair load_pair(const self *own, const hc_record *place, const uint32_t *offset) {
+  __builtin_prefetch((const char *)offset + PREFETCH);
+  hc_int column[4];
+  hc_load_records(place, offset, column);
+  pair p;
+  p.x = hc_from_int(hc_wrapped_difference(own->x, column[0])) * own->scale_x;
+  p.y = hc_from_int(hc_wrapped_difference(own->y, column[1])) * own->scale_y;
+  p.z = hc_from_int(hc_wrapped_difference(own->z, column[2])) * own->scale_z;
+  p.q2 = hc_fma(p.z, p.z, hc_fma(p.y, p.y, p.x * p.x));
+  p.q = hc_sqrt(p.q2);
+  p.scalar = (hc_float)column[3];
+  return p;
+}
+
+HC_INLINE vector load_velocity(const hc_record *motion, const uint32_t *offset, hc_float *scalar) {
+  hc_int column[4];
+  hc_load_records(motion, offset, column);
+  *scalar = (hc_float)column[3];
+  return (vector){(hc_float)column[0], (hc_float)column[1], (hc_float)column[2]};
+}
+
+/* W without its constant. */
+HC_INLINE hc_float kernel(hc_float q) {
+  const hc_float zero = hc_set(0.0f);
+  const hc_float outer = hc_max(hc_set(1.0f) - q, zero), inner = hc_max(hc_set(0.5f) - q, zero);
+  return hc_fma(outer * outer, outer + outer, inner * inner * inner * hc_set(-8.0f));
+}
+
+/* dW/dq / q without the constant; never positive. For q <= 1/2 it is -12 + 18 q; with c = max(q, 1/2) both
+ * branches are -6 (1 - c)^2 / c - 18 (c - q), which has nothing to divide by zero. */
+HC_INLINE hc_float slope_over_q(hc_float q) {
+  const hc_float clamped = hc_max(q, hc_set(0.5f));
+  const hc_float outer = hc_max(hc_set(1.0f) - clamped, hc_set(0.0f));
+  const hc_float inverse = hc_set(-6.0f) / clamped;
+  return hc_fma(outer * outer, inverse, hc_set(-18.0f) * (clamped - q));
+}
+
+HC_INLINE void add_scaled(vector_sums *sum, int part, hc_float factor, const vector *v) {
+  sum->x.part[part] = hc_fma(factor, v->x, sum->x.part[part]);
+  sum->y.part[part] = hc_fma(factor, v->y, sum->y.part[part]);
+  sum->z.part[part] = hc_fma(factor, v->z, sum->z.part[part]);
+}
+
+HC_INLINE vector direction(const pair *p) {
+  return (vector){p->x, p->y, p->z};
+}
+
+HC_INLINE hc_float dot_pair(const vector *v, const pair *p) {
+  return hc_fma(v->z, p->z, hc_fma(v->y, p->y, v->x * p->x));
+}
+
+HC_INLINE vector relative_velocity(const vector *own, const vector *other) {
+  return (vector){own->x - other->x, own->y - other->y, own->z - other->z};
+}
+
+HC_INLINE vector spread_velocity(const hc_record *motion) {
+  return (vector){hc_set(motion->v[0]), hc_set(motion->v[1]), hc_set(motion->v[2])};
+}
+
+HC_INLINE vector_sums no_sums(void) {
+  vector_sums sum;
+  memset(&sum, 0, sizeof sum);
+  return sum;
+}
+
+/* Particles are taken in blocks: the pair loops leave lane sums behind, which are added up eight rows at a
+ * time when the block is through, and only then results are written. So the long chain of one particle's
+ * arithmetic overlaps with the next one's, and no record is loaded as a neighbour's right after a part of it
+ * was stored. */
+enum { BLOCK = 64 };
+
+typedef struct block_sums {
+  _Alignas(64) float lanes[BLOCK][HC_GROUP];
+  _Alignas(64) float total[BLOCK];
+} block_sums;
+
+typedef struct block_vectors {
+  block_sums x, y, z;
+} block_vectors;
+
+HC_INLINE int32_t block_size(int32_t first, int32_t end) {
+  return end - first < BLOCK ? end - first : BLOCK;
+}
+
+HC_INLINE void add_up(block_sums *block, int32_t count) {
+  for (int32_t k = 0; k < count; k += HC_GROUP) hc_sum_rows(block->lanes[k], block->total + k);
+}
+
+HC_INLINE void store_vector(block_vectors *block, int32_t k, const vector_sums *sum) {
+  hc_store_lanes(sum->x.part, block->x.lanes[k]);
+  hc_store_lanes(sum->y.part, block->y.lanes[k]);
+  hc_store_lanes(sum->z.part, block->z.lanes[k]);
+}
+
+HC_INLINE void add_up_vectors(block_vectors *block, int32_t count) {
+  add_up(&block->x, count);
+  add_up(&block->y, count);
+  add_up(&block->z, count);
+}
+
+/* Sums over boundary neighbours of a block: V_b W and V_b grad W without their constants. */
+HC_INLINE void sum_walls(const hc_sweep *sweep, int32_t first, int32_t count, block_sums *densities,
+                         block_vectors *gradients) {
+  if (sweep->walls->start[first] == sweep->walls->start[first + count]) { /* far from any wall */
+    memset(densities->total, 0, sizeof densities->total);
+    memset(gradients->x.total, 0, sizeof gradients->x.total);
+    memset(gradients->y.total, 0, sizeof gradients->y.total);
+    memset(gradients->z.total, 0, sizeof gradients->z.total);
+    return;
+  }
+  for (int32_t k = 0; k < count; k++) {
+    const self own = make_self(sweep, &sweep->fluid->place[first + k]);
+    const row row = row_of(sweep->walls, first + k);
+    sums density = {{{0}}};
+    vector_sums gradient = no_sums();
+    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+        const int32_t at = pass + part * HC_GROUP;
+        const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
+        const hc_float volume = hc_keep(p.scalar, row.count - at);
+        const vector d = direction(&p);
+        density.part[part] = hc_fma(kernel(p.q), volume, density.part[part]);
+        add_scaled(&gradient, part, volume * slope_over_q(p.q), &d);
+      }
+    }
+    hc_store_lanes(density.part, densities->lanes[k]);
+    store_vector(gradients, k, &gradient);
+  }
+  add_up(densities, count);
+  add_up_vectors(gradients, count);
+}
+
+/* The sweeps that hc_sweeps is put together from, those of the other files. */
+typedef void hc_force_sweep(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
+hc_force_sweep HC_ISA_SYMBOL(hc_xsph), HC_ISA_SYMBOL(hc_laminar), HC_ISA_SYMBOL(hc_artificial),
+    HC_ISA_SYMBOL(hc_cohesion);
+typedef void hc_prediction_sweep(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
+                                 int32_t end, hc_error_total *total);
+hc_prediction_sweep HC_ISA_SYMBOL(hc_predicted_density), HC_ISA_SYMBOL(hc_corrected_density);
+void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
+                                        int32_t end);
+void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
+                            int32_t end);
+void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts,
+                                int32_t begin, int32_t end);
+void HC_ISA_SYMBOL(hc_wall_velocities)(const hc_sweep *sweep, hc_record *velocities, int32_t begin,
+                                       int32_t end);
+
+#endif

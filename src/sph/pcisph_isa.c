@@ -1,0 +1,351 @@
+/* The sweeps over predicted positions (PCISPH), compiled once per instruction set. See sweeps.h for what each
+ * computes, pairs.h for how. */
+#include "pairs.h"
+#include "prediction_rule.h"
+
+/* ---- what walls add ---- */
+
+/* Sums W over boundary neighbours of a block, without the constant; each sample as a particle of fluid. */
+HC_INLINE void sum_wall_kernels(const hc_sweep *sweep, int32_t first, int32_t count, block_sums *kernels) {
+  if (sweep->walls->start[first] == sweep->walls->start[first + count]) { /* far from any wall */
+    memset(kernels->total, 0, sizeof kernels->total);
+    return;
+  }
+  for (int32_t k = 0; k < count; k++) {
+    const self own = make_self(sweep, &sweep->fluid->place[first + k]);
+    const row row = row_of(sweep->walls, first + k);
+    sums sum = {{{0}}};
+    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+        const int32_t at = pass + part * HC_GROUP;
+        const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
+        sum.part[part] += hc_keep(kernel(p.q), row.count - at);
+      }
+    }
+    hc_store_lanes(sum.part, kernels->lanes[k]);
+  }
+  add_up(kernels, count);
+}
+
+/* Where particles of a block stand to the planes through the samples around them: w = max(0, 1 - q), sums of
+ * w, w n and w (x . n). */
+typedef struct block_planes {
+  block_sums weight, height;
+  block_vectors normal;
+} block_planes;
+
+HC_INLINE void no_planes(block_planes *planes) {
+  memset(planes->weight.total, 0, sizeof planes->weight.total);
+  memset(planes->height.total, 0, sizeof planes->height.total);
+  memset(planes->normal.x.total, 0, sizeof planes->normal.x.total);
+  memset(planes->normal.y.total, 0, sizeof planes->normal.y.total);
+  memset(planes->normal.z.total, 0, sizeof planes->normal.z.total);
+}
+
+/* Sums w = max(0, 1 - q * steepness), w n, and w times the height over the sample (`plane`) or w (1 - q *
+ * steepness). */
+HC_INLINE void sum_planes(const hc_sweep *sweep, bool plane, float steepness, int32_t first, int32_t count,
+                          block_planes *planes) {
+  if (sweep->walls->start[first] == sweep->walls->start[first + count]) {
+    no_planes(planes);
+    return;
+  }
+  const hc_float one = hc_set(1.0f), zero = hc_set(0.0f), rate = hc_set(steepness);
+  for (int32_t k = 0; k < count; k++) {
+    const self own = make_self(sweep, &sweep->fluid->place[first + k]);
+    const row row = row_of(sweep->walls, first + k);
+    sums weight = {{{0}}}, height = {{{0}}};
+    vector_sums normal = no_sums();
+    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+        const int32_t at = pass + part * HC_GROUP;
+        const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
+        hc_float unused;
+        const vector n = load_velocity(sweep->boundary->facing, row.offset + at, &unused);
+        const hc_float over = dot_pair(&n, &p), near = hc_max(one - rate * p.q, zero);
+        /* the far side of a thin wall has no say */
+        const hc_float w = hc_keep(plane ? (hc_float)((hc_int)near & (over > zero)) : near, row.count - at);
+        weight.part[part] += w;
+        height.part[part] = hc_fma(w, plane ? over : w, height.part[part]);
+        add_scaled(&normal, part, w, &n);
+      }
+    }
+    hc_store_lanes(weight.part, planes->weight.lanes[k]);
+    hc_store_lanes(height.part, planes->height.lanes[k]);
+    store_vector(&planes->normal, k, &normal);
+  }
+  add_up(&planes->weight, count);
+  add_up(&planes->height, count);
+  add_up_vectors(&planes->normal, count);
+}
+
+/* The density that a wall of the fluid's lattice would add at a distance from its first layer, in support
+ * radii. */
+static float density_at(const float *weights, float distance) {
+  const float at = (distance > 0.0f ? distance : 0.0f) * (float)HC_WALL_WEIGHTS;
+  const int step = (int)at;
+  if (!(at < (float)HC_WALL_WEIGHTS)) return 0.0f;
+  return weights[step] + (at - (float)step) * (weights[step + 1] - weights[step]);
+}
+
+/* The walls' share in the densities of a block, by the rule. */
+HC_INLINE void sum_wall_densities(const hc_sweep *sweep, const hc_prediction *prediction, int32_t first,
+                                  int32_t count, float share[BLOCK]) {
+  block_sums sums;
+  block_vectors gradients;
+  block_planes planes;
+  switch (sweep->walls_add) {
+  case HC_WALLS_NOTHING:
+    memset(share, 0, (size_t)count * sizeof *share);
+    break;
+  case HC_WALLS_MIRRORED:
+    sum_walls(sweep, first, count, &sums, &gradients);
+    for (int32_t k = 0; k < count; k++) share[k] = sweep->kernel * sums.total[k];
+    break;
+  case HC_WALLS_PRESSURE:
+    sum_wall_kernels(sweep, first, count, &sums);
+    for (int32_t k = 0; k < count; k++) share[k] = sweep->kernel * sweep->volume * sums.total[k];
+    break;
+  case HC_WALLS_DISTANCE:
+    sum_planes(sweep, true, 1.0f, first, count, &planes);
+    for (int32_t k = 0; k < count; k++)
+      share[k] = planes.weight.total[k] > 0.0f
+                     ? density_at(prediction->weights, planes.height.total[k] / planes.weight.total[k])
+                     : 0.0f;
+    break;
+  }
+}
+
+/* ---- densities and pressures ---- */
+
+/* Sums W, or W/D_j, over fluid neighbours of a block, without the constant. */
+HC_INLINE void sum_kernels(const hc_sweep *sweep, bool by_density, int32_t first, int32_t count,
+                           block_sums *kernels) {
+  const hc_particles *fluid = sweep->fluid;
+  for (int32_t k = 0; k < count; k++) {
+    const self own = make_self(sweep, &fluid->place[first + k]);
+    const row row = row_of(sweep->list, first + k);
+    sums sum = {{{0}}};
+    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+        const int32_t at = pass + part * HC_GROUP;
+        const pair p = load_pair(&own, fluid->place, row.offset + at);
+        hc_float value = kernel(p.q);
+        if (by_density) {
+          hc_float inverse;
+          load_velocity(fluid->motion, row.offset + at, &inverse);
+          value = value * inverse;
+        }
+        sum.part[part] += hc_keep(value, row.count - at);
+      }
+    }
+    hc_store_lanes(sum.part, kernels->lanes[k]);
+  }
+  add_up(kernels, count);
+}
+
+void HC_ISA_SYMBOL(hc_predicted_density)(const hc_sweep *sweep, const hc_prediction *prediction,
+                                         int32_t begin, int32_t end, hc_error_total *total) {
+  hc_particles *fluid = sweep->fluid;
+  block_sums kernels;
+  float share[BLOCK];
+  for (int32_t first = begin; first < end; first += BLOCK) {
+    const int32_t count = block_size(first, end);
+    sum_kernels(sweep, false, first, count, &kernels);
+    sum_wall_densities(sweep, prediction, first, count, share);
+    for (int32_t k = 0; k < count; k++) {
+      const int32_t i = first + k;
+      const float relative = sweep->kernel * sweep->volume * (1.0f + kernels.total[k]) + share[k];
+      if (prediction->shepard) {
+        fluid->density[i] = relative;
+        fluid->motion[i].scalar = 1.0f / relative;
+      } else {
+        hc_end_prediction(sweep, prediction, i, relative, total);
+      }
+    }
+  }
+}
+
+void HC_ISA_SYMBOL(hc_corrected_density)(const hc_sweep *sweep, const hc_prediction *prediction,
+                                         int32_t begin, int32_t end, hc_error_total *total) {
+  hc_particles *fluid = sweep->fluid;
+  block_sums kernels;
+  float share[BLOCK];
+  for (int32_t first = begin; first < end; first += BLOCK) {
+    const int32_t count = block_size(first, end);
+    sum_kernels(sweep, true, first, count, &kernels);
+    sum_wall_densities(sweep, prediction, first, count, share);
+    for (int32_t k = 0; k < count; k++) {
+      const int32_t i = first + k;
+      const float own = fluid->density[i];
+      const float volumes = sweep->kernel * sweep->volume * (1.0f / own + kernels.total[k]) + share[k];
+      hc_end_prediction(sweep, prediction, i, own / volumes, total);
+    }
+  }
+}
+
+void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
+                                        int32_t end) {
+  hc_particles *boundary = sweep->boundary;
+  const hc_neighbors *list = sweep->wetted;
+  block_sums kernels;
+  for (int32_t first = begin; first < end; first += BLOCK) {
+    const int32_t count = block_size(first, end);
+    if (list->start[first] == list->start[first + count]) continue; /* dry: the pressure stays 0 */
+    for (int32_t k = 0; k < count; k++) {
+      const self own = make_self(sweep, &boundary->place[first + k]);
+      const row row = row_of(list, first + k);
+      sums sum = {{{0}}};
+      for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+        for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+          const int32_t at = pass + part * HC_GROUP;
+          const pair p = load_pair(&own, sweep->fluid->place, row.offset + at);
+          sum.part[part] += hc_keep(kernel(p.q), row.count - at);
+        }
+      }
+      hc_store_lanes(sum.part, kernels.lanes[k]);
+    }
+    add_up(&kernels, count);
+    for (int32_t k = 0; k < count; k++) {
+      const int32_t b = first + k;
+      if (list->count[b] == 0) continue;
+      const float relative = sweep->kernel * sweep->volume * kernels.total[k] + boundary->boundary_share[b];
+      boundary->pressure[b] = hc_next_pressure(sweep, prediction, boundary->pressure[b], relative);
+      boundary->place[b].scalar = hc_pressure_scalar(sweep, boundary->pressure[b], relative);
+    }
+  }
+}
+
+/* ---- the pressure's push ---- */
+
+/* Sums (s_i + s_b) grad W over boundary neighbours of a block, without constants. */
+HC_INLINE void sum_wall_pushes(const hc_sweep *sweep, int32_t first, int32_t count, block_vectors *pushes) {
+  if (sweep->walls->start[first] == sweep->walls->start[first + count]) {
+    memset(pushes->x.total, 0, sizeof pushes->x.total);
+    memset(pushes->y.total, 0, sizeof pushes->y.total);
+    memset(pushes->z.total, 0, sizeof pushes->z.total);
+    return;
+  }
+  for (int32_t k = 0; k < count; k++) {
+    const self own = make_self(sweep, &sweep->fluid->place[first + k]);
+    const hc_float scalar = hc_set(sweep->fluid->place[first + k].scalar);
+    const row row = row_of(sweep->walls, first + k);
+    vector_sums sum = no_sums();
+    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+        const int32_t at = pass + part * HC_GROUP;
+        const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
+        const vector d = direction(&p);
+        add_scaled(&sum, part, hc_keep((scalar + p.scalar) * slope_over_q(p.q), row.count - at), &d);
+      }
+    }
+    store_vector(pushes, k, &sum);
+  }
+  add_up_vectors(pushes, count);
+}
+
+void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
+                            int32_t end) {
+  hc_particles *fluid = sweep->fluid;
+  const float weight = -prediction->dt * sweep->volume * sweep->gradient;
+  block_vectors pushes, walls;
+  for (int32_t first = begin; first < end; first += BLOCK) {
+    const int32_t count = block_size(first, end);
+    for (int32_t k = 0; k < count; k++) {
+      const self own = make_self(sweep, &fluid->place[first + k]);
+      const hc_float scalar = hc_set(fluid->place[first + k].scalar);
+      const row row = row_of(sweep->list, first + k);
+      vector_sums sum = no_sums();
+      for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+        for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+          const int32_t at = pass + part * HC_GROUP;
+          const pair p = load_pair(&own, fluid->place, row.offset + at);
+          const vector d = direction(&p);
+          add_scaled(&sum, part, hc_keep_groups((scalar + p.scalar) * slope_over_q(p.q), row.entries - at),
+                     &d);
+        }
+      }
+      store_vector(&pushes, k, &sum);
+    }
+    add_up_vectors(&pushes, count);
+    if (sweep->walls_add == HC_WALLS_PRESSURE) sum_wall_pushes(sweep, first, count, &walls);
+    for (int32_t k = 0; k < count; k++) {
+      const size_t i = (size_t)(first + k);
+      float push[3] = {weight * pushes.x.total[k], weight * pushes.y.total[k], weight * pushes.z.total[k]};
+      if (sweep->walls_add == HC_WALLS_PRESSURE) {
+        push[0] += weight * walls.x.total[k];
+        push[1] += weight * walls.y.total[k];
+        push[2] += weight * walls.z.total[k];
+      } else if (sweep->walls_add == HC_WALLS_MIRRORED) {
+        const float mirrored = -prediction->dt * fluid->place[i].scalar;
+        for (int axis = 0; axis < 3; axis++)
+          push[axis] += mirrored * fluid->wall_gradient[3 * i + (size_t)axis];
+      }
+      memcpy(&fluid->push[3 * i], push, sizeof push);
+    }
+  }
+}
+
+/* ---- contact ---- */
+
+void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts,
+                                int32_t begin, int32_t end) {
+  const bool plane = rule == HC_CONTACT_DISTANCE;
+  const float steepness = plane ? 1.0f : sweep->support / sweep->reach;
+  block_planes planes;
+  for (int32_t first = begin; first < end; first += BLOCK) {
+    const int32_t count = block_size(first, end);
+    if (plane)
+      sum_planes(sweep, true, 1.0f, first, count, &planes);
+    else
+      sum_planes(sweep, false, steepness, first, count, &planes);
+    for (int32_t k = 0; k < count; k++) {
+      hc_record *contact = &contacts[first + k];
+      const float weight = planes.weight.total[k];
+      memset(contact, 0, sizeof *contact);
+      if (!(weight > 0.0f)) continue;
+      const float mean = planes.height.total[k] / weight;
+      contact->v[0] = planes.normal.x.total[k];
+      contact->v[1] = planes.normal.y.total[k];
+      contact->v[2] = planes.normal.z.total[k];
+      contact->scalar = plane ? sweep->reach - sweep->support * mean : sweep->reach * mean;
+    }
+  }
+}
+
+void HC_ISA_SYMBOL(hc_wall_velocities)(const hc_sweep *sweep, hc_record *velocities, int32_t begin,
+                                       int32_t end) {
+  const hc_float one = hc_set(1.0f), zero = hc_set(0.0f), rate = hc_set(sweep->support / sweep->reach);
+  block_sums weights;
+  block_vectors sums_of_velocities;
+  for (int32_t first = begin; first < end; first += BLOCK) {
+    const int32_t count = block_size(first, end);
+    for (int32_t k = 0; k < count; k++) {
+      const self own = make_self(sweep, &sweep->fluid->place[first + k]);
+      const row row = row_of(sweep->walls, first + k);
+      sums weight = {{{0}}};
+      vector_sums sum = no_sums();
+      for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+        for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+          const int32_t at = pass + part * HC_GROUP;
+          const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
+          hc_float unused;
+          const vector velocity = load_velocity(sweep->boundary->motion, row.offset + at, &unused);
+          const hc_float w = hc_keep(hc_max(one - rate * p.q, zero), row.count - at);
+          weight.part[part] += w;
+          add_scaled(&sum, part, w, &velocity);
+        }
+      }
+      hc_store_lanes(weight.part, weights.lanes[k]);
+      store_vector(&sums_of_velocities, k, &sum);
+    }
+    add_up(&weights, count);
+    add_up_vectors(&sums_of_velocities, count);
+    for (int32_t k = 0; k < count; k++) {
+      const float scale = weights.total[k] > 0.0f ? 1.0f / weights.total[k] : 0.0f;
+      velocities[first + k] =
+          (hc_record){.v = {scale * sums_of_velocities.x.total[k], scale * sums_of_velocities.y.total[k],
+                            scale * sums_of_velocities.z.total[k]}};
+    }
+  }
+}

@@ -1,0 +1,256 @@
+/* The adaptive time step: each criterion in both directions, the first step, shocks, and the guard of a
+ * replay.
+ */
+#include "stepping/adaptive.h"
+
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+
+static const double H = 0.04;
+
+static hc_step_settings usual(void) {
+  return (hc_step_settings){
+      .control = HC_STEP_ADAPTIVE,
+      .max = 0.1,
+      .spacing = 0.02,
+      .support_radius = H,
+      .end_time = 100.0,
+      .adaptive = {.error_avg = 0.01,
+                   .error_max = 0.1,
+                   .change = 0.002,
+                   .grow = {.force = 0.19, .velocity = 0.39, .error_max = 4.5, .error_avg = 0.9},
+                   .shrink = {.force = 0.2, .velocity = 0.4, .error_max = 5.5, .error_avg = 1},
+                   .shock_rise = 0.05,
+                   .shock_velocity = 0.45,
+                   .restart_force = 0.2,
+                   .restart_velocity = 0.25,
+                   .restart_share = 0.5,
+                   .most_restarts = 10,
+                   .first_velocity = 0.25,
+                   .first_depth = 0.2,
+                   .gravity = 9.81,
+                   .depth = 0.5}};
+}
+
+static const double DT = 0.001;
+
+/* The force and speed at which a step of DT is `factor` of what they allow. */
+static double force_at(double factor) {
+  return H * factor * factor / (DT * DT);
+}
+
+static double speed_at(double factor) {
+  return factor * H / DT;
+}
+
+static hc_step_report calm(void) {
+  return (hc_step_report){
+      .v_max = 0.1, .force_max = 9.81, .density_error_avg = 0.001, .density_error_max = 0.01};
+}
+
+/* `way`: -1, 0, 1: the step shrinks, stays, grows. */
+static void expect(hc_step_report report, int way, hc_step_bound bound) {
+  const hc_step_settings settings = usual();
+  hc_step_bound found = HC_BOUND_END;
+  const double next = hc_time_step_next(&settings, 1.0, DT, &report, &found);
+  ck_assert_msg(found == bound, "%s governs, not %s", hc_step_bound_name(found), hc_step_bound_name(bound));
+  ck_assert_double_eq(next, DT * (1.0 + way * 0.002));
+}
+
+START_TEST(each_criterion_holds_growth_back_or_shrinks) {
+  expect(calm(), 1, HC_BOUND_GROWTH);
+  expect((hc_step_report){.v_max = 0}, 1, HC_BOUND_GROWTH);
+  const struct {
+    double low, high; /* of the criteria for growing and shrinking */
+    hc_step_bound bound;
+  } rules[] = {{0.19, 0.2, HC_BOUND_FORCE},
+               {0.39, 0.4, HC_BOUND_VELOCITY},
+               {4.5, 5.5, HC_BOUND_ERROR_MAX},
+               {0.9, 1.0, HC_BOUND_ERROR_AVG}};
+  for (size_t k = 0; k < sizeof rules / sizeof *rules; k++) {
+    const double between = 0.5 * (rules[k].low + rules[k].high);
+    const double levels[] = {0.999 * rules[k].low, 1.001 * rules[k].low, between, 0.999 * rules[k].high,
+                             1.001 * rules[k].high};
+    for (int level = 0; level < 5; level++) {
+      hc_step_report report = calm();
+      if (rules[k].bound == HC_BOUND_FORCE) report.force_max = force_at(levels[level]);
+      if (rules[k].bound == HC_BOUND_VELOCITY) report.v_max = speed_at(levels[level]);
+      if (rules[k].bound == HC_BOUND_ERROR_MAX) report.density_error_max = 0.01 * levels[level];
+      if (rules[k].bound == HC_BOUND_ERROR_AVG) report.density_error_avg = 0.01 * levels[level];
+      const int way = level == 0 ? 1 : level == 4 ? -1 : 0;
+      expect(report, way, way == 1 ? HC_BOUND_GROWTH : rules[k].bound);
+    }
+  }
+}
+END_TEST
+
+START_TEST(one_criterion_is_enough_to_shrink) {
+  hc_step_report report = calm();
+  report.force_max = force_at(0.195); /* keeps */
+  report.density_error_avg = 0.011;   /* shrinks */
+  expect(report, -1, HC_BOUND_ERROR_AVG);
+  report.density_error_avg = 0.01; /* (22) is >=, */
+  expect(report, -1, HC_BOUND_ERROR_AVG);
+  report.density_error_avg = 0.009; /* (18) is < */
+  expect(report, 0, HC_BOUND_FORCE);
+}
+END_TEST
+
+START_TEST(the_largest_and_the_viscous_step_hold) {
+  hc_step_settings settings = usual();
+  hc_step_report report = calm();
+  hc_step_bound bound;
+  settings.max = DT;
+  ck_assert_double_eq(hc_time_step_next(&settings, 0, DT, &report, &bound), DT);
+  ck_assert_int_eq(bound, HC_BOUND_SIZE);
+  settings.viscosity = 0.1; /* 0.125 (h/2)^2/nu */
+  ck_assert_double_eq_tol(hc_time_step_next(&settings, 0, DT, &report, &bound), 5e-4, 1e-15);
+  ck_assert_int_eq(bound, HC_BOUND_VISCOUS);
+  settings = usual();
+  settings.end_time = 1.0;
+  ck_assert_double_eq(hc_time_step_next(&settings, 1.0 - 0.0015, DT, &report, &bound),
+                      0.5 * (1.0 - (1.0 - 0.0015)));
+  ck_assert_double_eq(hc_time_step_next(&settings, 1.0 - DT, DT, &report, &bound), 1.0 - (1.0 - DT));
+  ck_assert_int_eq(bound, HC_BOUND_END);
+}
+END_TEST
+
+START_TEST(the_first_step_heeds_speed_and_depth) {
+  hc_step_settings settings = usual();
+  hc_step_report report = {.v_max = 0, .force_max = 9.81};
+  hc_step_bound bound;
+  const double deep = 0.2 * 0.02 / sqrt(9.81 * 0.5);
+  ck_assert_double_eq(hc_time_step_next(&settings, 0, 0, &report, &bound), deep);
+  ck_assert_int_eq(bound, HC_BOUND_DEPTH);
+  report.v_max = 10;
+  ck_assert_double_eq(hc_time_step_next(&settings, 0, 0, &report, &bound), 0.25 * H / 10);
+  ck_assert_int_eq(bound, HC_BOUND_VELOCITY);
+  settings.max = 1e-4;
+  ck_assert_double_eq(hc_time_step_next(&settings, 0, 0, &report, &bound), 1e-4);
+  ck_assert_int_eq(bound, HC_BOUND_SIZE);
+  settings.max = 0.1;
+  settings.adaptive.gravity = 0;
+  report.v_max = 0;
+  ck_assert_double_eq(hc_time_step_next(&settings, 0, 0, &report, &bound), 0.1);
+  ck_assert_int_eq(bound, HC_BOUND_SIZE);
+}
+END_TEST
+
+static hc_shock_kind shock_of(double error, double before, double v_max) {
+  const hc_step_settings settings = usual();
+  const hc_step_report report = {.v_max = v_max, .density_error_max = error};
+  const hc_shock shock = hc_shock_find(&settings, 2.0, DT, before, &report);
+  if (shock.kind != HC_SHOCK_NONE) {
+    char text[HC_SHOCK_TEXT];
+    hc_shock_text(&shock, text);
+    ck_assert(text[0] && shock.time == 2.0 && shock.dt == DT && shock.value > shock.limit);
+  }
+  return (hc_shock_kind)shock.kind;
+}
+
+START_TEST(shocks_are_found) {
+  ck_assert_int_eq(shock_of(0.06, 0.02, 1), HC_SHOCK_NONE);
+  ck_assert_int_eq(shock_of(0.071, 0.02, 1), HC_SHOCK_RISE);
+  ck_assert_int_eq(shock_of(0.02, 0.09, 1), HC_SHOCK_NONE);
+  ck_assert_int_eq(shock_of(0.099, 0.06, 1), HC_SHOCK_NONE);
+  ck_assert_int_eq(shock_of(0.101, 0.06, 1), HC_SHOCK_ERROR);
+  ck_assert_int_eq(shock_of(0.01, 0.01, speed_at(0.449)), HC_SHOCK_NONE);
+  ck_assert_int_eq(shock_of(0.01, 0.01, speed_at(0.451)), HC_SHOCK_VELOCITY);
+  /* at the first step nothing is known of the one before */
+  ck_assert_int_eq(shock_of(0.099, -1, 1), HC_SHOCK_NONE);
+  ck_assert_int_eq(shock_of(0.101, -1, 1), HC_SHOCK_ERROR);
+}
+END_TEST
+
+START_TEST(a_replay_begins_with_a_shorter_step) {
+  const hc_step_settings settings = usual();
+  const hc_shock shock = {.kind = HC_SHOCK_RISE, .time = 1.0, .dt = DT};
+  hc_step_report report = calm();
+  hc_shock_guard guard = {.until = 0};
+  hc_shock_guard_hit(&guard, &settings, &shock, &report, 2); /* calm: half of what failed */
+  ck_assert_double_eq(guard.next, 0.5 * DT);
+  report.force_max = force_at(0.8); /* 0.2/0.8 of the step */
+  guard = (hc_shock_guard){.until = 0};
+  hc_shock_guard_hit(&guard, &settings, &shock, &report, 2);
+  ck_assert_double_eq_tol(guard.next, 0.25 * DT, 1e-18);
+  report = calm();
+  report.v_max = speed_at(2.0); /* 0.25/2 */
+  guard = (hc_shock_guard){.until = 0};
+  hc_shock_guard_hit(&guard, &settings, &shock, &report, 2);
+  ck_assert_double_eq_tol(guard.next, 0.125 * DT, 1e-18);
+  /* a step that diverged leaves nothing to go by */
+  const hc_shock diverged = {.kind = HC_SHOCK_FAULT, .time = 1.0, .dt = DT};
+  report.force_max = 1e30;
+  guard = (hc_shock_guard){.until = 0};
+  hc_shock_guard_hit(&guard, &settings, &diverged, &report, 2);
+  ck_assert_double_eq(guard.next, 0.5 * DT);
+}
+END_TEST
+
+START_TEST(only_the_time_of_the_shock_ends_the_guard) {
+  const hc_step_settings settings = usual();
+  hc_shock shock = {.kind = HC_SHOCK_ERROR, .time = 1.0, .dt = DT};
+  const hc_step_report report = calm();
+  hc_shock_guard guard = {.until = 0};
+  ck_assert_int_eq(hc_shock_guard_pass(&guard, 0.999), 0);
+  hc_shock_guard_hit(&guard, &settings, &shock, &report, 2);
+  ck_assert(guard.until == 1.0 && guard.restarts == 1);
+  ck_assert_int_eq(hc_shock_guard_pass(&guard, 0.9985), 2); /* the first row tells of both steps */
+  ck_assert_int_eq(hc_shock_guard_pass(&guard, 0.999), 0);
+  ck_assert(guard.until == 1.0 && guard.begun == 0.5 * DT && guard.next == 0.0);
+  /* a second shock before its time: half of what the replay began with, though steps have grown since */
+  shock.time = 0.9995;
+  shock.dt = 0.7 * DT;
+  hc_shock_guard_hit(&guard, &settings, &shock, &report, 2);
+  ck_assert_double_eq(guard.next, 0.25 * DT);
+  ck_assert(guard.until == 1.0 && guard.restarts == 2 && guard.rollbacks == 2 && guard.steps == 4);
+  /* a third, of a shorter step that ended later */
+  shock.time = 1.001;
+  shock.dt = 0.1 * DT;
+  hc_shock_guard_hit(&guard, &settings, &shock, &report, 1);
+  ck_assert_double_eq(guard.next, 0.05 * DT);
+  ck_assert(guard.until == 1.001 && guard.restarts == 3 && guard.untold == 3);
+  ck_assert_int_eq(hc_shock_guard_pass(&guard, 1.0), 3);
+  ck_assert_int_eq(guard.restarts, 3);
+  hc_shock_guard_pass(&guard, 1.001);
+  ck_assert(guard.until == 0.0 && guard.restarts == 0 && guard.rollbacks == 3 && guard.steps == 5);
+  /* the next is a shock of its own */
+  hc_shock_guard_hit(&guard, &settings, &shock, &report, 2);
+  ck_assert(guard.restarts == 1 && guard.next == 0.05 * DT);
+}
+END_TEST
+
+START_TEST(replays_reach_the_floor) {
+  const hc_step_settings settings = usual();
+  const hc_step_report report = calm();
+  hc_shock_guard guard = {.until = 0};
+  double dt = DT;
+  int count = 0;
+  for (; !hc_time_step_too_small(&settings, 1.0, dt) && count < 100; count++) {
+    const hc_shock shock = {.kind = HC_SHOCK_ERROR, .time = 1.0 + dt, .dt = dt};
+    hc_shock_guard_hit(&guard, &settings, &shock, &report, 1);
+    dt = guard.next;
+  }
+  ck_assert_int_eq(count, 10); /* 1e-3 / 2^10 < 1e-5 * 0.1 */
+}
+END_TEST
+
+int main(void) {
+  Suite *const suite = suite_create("adaptive");
+  TCase *const cases = tcase_create("control");
+  tcase_add_test(cases, each_criterion_holds_growth_back_or_shrinks);
+  tcase_add_test(cases, one_criterion_is_enough_to_shrink);
+  tcase_add_test(cases, the_largest_and_the_viscous_step_hold);
+  tcase_add_test(cases, the_first_step_heeds_speed_and_depth);
+  tcase_add_test(cases, shocks_are_found);
+  tcase_add_test(cases, a_replay_begins_with_a_shorter_step);
+  tcase_add_test(cases, only_the_time_of_the_shock_ends_the_guard);
+  tcase_add_test(cases, replays_reach_the_floor);
+  suite_add_tcase(suite, cases);
+  SRunner *const runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  const int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
