@@ -1,6 +1,6 @@
 """Kills a run again and again, restarts it each time, and compares what is left with the run that nobody killed.
 
-    kill.py [HALOCLINE] [--rounds N] [--seed S] [--mpiexec MPIRUN]
+    kill.py [HALOCLINE] [--rounds N] [--seed S] [--mpiexec MPIRUN] [--shocks]
 
 A round starts the run with --restart, on another number of ranks each time and with or without rebalancing, and ends it
 with SIGKILL at a random moment: one rank of it, or the launcher. Every third kill waits until a checkpoint is being
@@ -19,6 +19,7 @@ import tempfile
 import time
 from pathlib import Path
 
+import rollback
 from case import MPI_ENVIRONMENT, Case, CaseFailed, expect, expect_same_text, snapshots
 
 SCENE = """
@@ -104,10 +105,10 @@ def compare(case, reference, output):
     case.diff(last, output / "checkpoints" / last.name)
 
 
-def play(case, rounds, seed, end):
+def play(case, rounds, seed, text):
     chance = random.Random(seed)
     scene = case.folder / "killed.yaml"
-    scene.write_text(SCENE.format(end=end))
+    scene.write_text(text)
     reference, output = case.folder / "reference", case.folder / "killed"
     begin = time.monotonic()
     case.call(["run", scene, "-o", reference, "--quiet"], 2)
@@ -144,10 +145,14 @@ def main():
     parser.add_argument("--rounds", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--end", type=float, default=1.0, help="simulated seconds of the run")
+    parser.add_argument("--shocks", action="store_true", help="with the adaptive time step, whose shocks take steps back")
     options = parser.parse_args()
+    scene = SCENE.format(end=options.end)
+    if options.shocks:
+        scene = rollback.SCENE.replace("every: 0.0002}", "every: 0.01}\n  checkpoints: {every_steps: 3}")
     folder = Path(tempfile.mkdtemp(prefix="halocline_kill_"))
     try:
-        print(play(Case(options.halocline, options.mpiexec, folder), options.rounds, options.seed, options.end))
+        print(play(Case(options.halocline, options.mpiexec, folder), options.rounds, options.seed, scene))
     except CaseFailed as error:
         print(f"FAILED with --seed {options.seed}; the runs are in {folder}\n{error}")
         sys.exit(1)
