@@ -14,7 +14,7 @@ enum {
   PROGRAM = 30 << 20,
   FLUID = 170,
   NEIGHBORS = 20, /* times the cube of the support radius in spacings */
-  WALL = 174,
+  WALL = 198,
   GHOST = 80,
   WRITING = 30,
   WRITING_SLICE = 65536, /* particles */

@@ -57,6 +57,13 @@ void hc_explain_time_step(hc_explained *explained, const hc_simulation *simulati
     return;
   }
   const standout found = find_standout(&simulation->world, bound);
+  const double largest = hc_simulation_seen_by_control(simulation).v_max;
+  if (bound == HC_BOUND_VELOCITY && largest > simulation->report.v_max) {
+    hc_log_info(
+        log, "step %lld, t = %g s: time step %.4g s, bounded by: velocity; walls or emitters have %.4g m/s",
+        (long long)simulation->step, simulation->time, dt, largest);
+    return;
+  }
   hc_log_info(log,
               "step %lld, t = %g s: time step %.4g s, bounded by: %s; now particle %lld at (%g, %g, %g) m "
               "has %.4g %s",

@@ -69,10 +69,24 @@ static double default_sound_speed(const hc_scene *scene) {
   return 10.0 * sqrt(2.0 * (gravity > 0.0 ? sqrt(gravity) : 1.0) * height);
 }
 
+/* Likewise of what emitters bring: ten times its speed. */
+static double emitted_sound_speed(const hc_scene *scene) {
+  double speed = 0.0;
+  for (int k = 0; k < scene->fluid.emitter_count; k++) {
+    const hc_scene_emitter *emitter = &scene->fluid.emitters[k];
+    const double area = emitter->form == HC_EMITTER_DISC
+                            ? 3.14159265358979323846 * emitter->radius * emitter->radius
+                            : emitter->size[0] * emitter->size[1];
+    speed = fmax(speed, fmax(emitter->speed, emitter->rate / area));
+  }
+  return 10.0 * speed;
+}
+
 static double sound_speed(const hc_scene *scene) {
   if (scene->fluid.viscosity.model != HC_VISCOSITY_ARTIFICIAL) return 0.0;
-  return scene->fluid.viscosity.sound_speed > 0.0 ? scene->fluid.viscosity.sound_speed
-                                                  : default_sound_speed(scene);
+  return scene->fluid.viscosity.sound_speed > 0.0
+             ? scene->fluid.viscosity.sound_speed
+             : fmax(default_sound_speed(scene), emitted_sound_speed(scene));
 }
 
 /* Of all blocks together, along gravity, m; 0 without gravity. */
@@ -261,6 +275,7 @@ static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   hc_setup_generate(&simulation->plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
   if (hc_comm_agree(comm, error) != HC_OK) return error->status;
+  hc_moving_walls_start(&world->boundary);
   pose_walls(simulation, simulation->scene->fluid.settle_steps > 0);
   hc_world_start(world, hc_balance_first_divider(simulation->scene));
   if (simulation->scene->fluid.settle_steps > 0 && settle(simulation, error) != HC_OK) return error->status;

@@ -6,6 +6,7 @@
  *   push on the wall's samples around the point over their area, which is exact in the mean where the
  *   pressures of the layer next to a wall are not. With an axis too: only the samples of the face through the
  *   point count, and only the push along the axis.
+ *   Point and area stay where the scene puts them, also if the wall moves on.
  * - flow: volume per time through a rectangle, counted particle by particle.
  * - force: pressure force and its moment on a wall; viscous drag is not included.
  * - energy: kinetic and potential.

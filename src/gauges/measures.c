@@ -85,7 +85,7 @@ void hc_measure_patch_area(const hc_gauges *gauges, int number, const hc_particl
   for (int32_t k = 0; k < boundary->own; k++) {
     if ((int)boundary->wall[k] != gauges->state[number].wall) continue;
     double offset[3];
-    hc_measure_offset(gauges->frame, &boundary->position[3 * (size_t)k], &at, offset);
+    hc_measure_offset(gauges->frame, &boundary->reference[3 * (size_t)k], &at, offset);
     hc_sum_add(sum, spacing * spacing * patch_weight(gauges, gauge, offset));
   }
 }

@@ -40,17 +40,21 @@ static void widen(const hc_frame *frame, const hc_setup_source *sources, int cou
   }
 }
 
-/* Where moving walls come to. */
-static void widen_by_motions(const hc_scene *scene, const hc_setup_plan *plan, extent *to) {
-  hc_prescribed_motions motions = hc_prescribed_motions_make(scene, plan);
-  for (int k = 0; k < motions.count; k++) {
-    extent wall = nothing;
-    widen(&plan->frame, &plan->boundary[motions.walls[k].wall], 1, &wall);
-    if (wall.low[0] > wall.high[0]) continue;
-    hc_prescribed_sweep(&motions.walls[k].motion, scene->end_time, wall.low, wall.high);
-    merge(&wall, to);
+/* Where a moving wall comes to until the end; nowhere if it has no samples. */
+static extent sweep(const hc_scene *scene, const hc_setup_plan *plan, const hc_moving_wall *wall) {
+  extent swept = nothing;
+  widen(&plan->frame, &plan->boundary[wall->wall], 1, &swept);
+  if (swept.low[0] <= swept.high[0])
+    hc_prescribed_sweep(&wall->motion, scene->end_time, swept.low, swept.high);
+  return swept;
+}
+
+static void widen_by_motions(const hc_scene *scene, const hc_setup_plan *plan,
+                             const hc_prescribed_motions *motions, extent *to) {
+  for (int k = 0; k < motions->count; k++) {
+    const extent swept = sweep(scene, plan, &motions->walls[k]);
+    merge(&swept, to);
   }
-  hc_prescribed_motions_free(&motions);
 }
 
 /* Where fluid comes in. */
@@ -63,13 +67,14 @@ static void widen_by_emitters(const hc_emitters *emitters, extent *to) {
 }
 
 /* The limits that a scene has by itself, m. */
-static extent compute(const hc_scene *scene, const hc_setup_plan *plan, const hc_emitters *emitters) {
+static extent compute(const hc_scene *scene, const hc_setup_plan *plan, const hc_prescribed_motions *motions,
+                      const hc_emitters *emitters) {
   extent all = nothing;
   if (plan->boundary_count == 0) /* none */
     return (extent){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
   widen(&plan->frame, plan->fluid, plan->fluid_sources, &all);
   widen(&plan->frame, plan->boundary, plan->boundary_sources, &all);
-  widen_by_motions(scene, plan, &all);
+  widen_by_motions(scene, plan, motions, &all);
   widen_by_emitters(emitters, &all);
   double edge = 0.0;
   for (int a = 0; a < 3; a++) edge = fmax(edge, all.high[a] - all.low[a]);
@@ -95,6 +100,24 @@ static hc_status check_blocks(const hc_setup_plan *plan, const hc_limits *limits
   return HC_OK;
 }
 
+/* Positions end 2^31 cells from the origin. */
+static hc_status check_motions(const hc_scene *scene, const hc_setup_plan *plan,
+                               const hc_prescribed_motions *motions, hc_error *error) {
+  const double farthest = 0x1p31 * plan->frame.support_radius;
+  for (int k = 0; k < motions->count; k++) {
+    const int number = motions->walls[k].wall;
+    const extent swept = sweep(scene, plan, &motions->walls[k]);
+    for (int a = 0; a < 3; a++)
+      if (swept.low[a] <= swept.high[a] && !(swept.low[a] >= -farthest && swept.high[a] <= farthest))
+        return hc_error_set(error, HC_BAD_INPUT,
+                            "%s: must stay within 2^31 support radii of the origin until end_time, not move "
+                            "from %g to %g m along %c",
+                            hc_source_wall_name(&scene->boundary.walls[number], number).text, swept.low[a],
+                            swept.high[a], "xyz"[a]);
+  }
+  return HC_OK;
+}
+
 static hc_status check_emitters(const hc_frame *frame, const hc_emitters *emitters, const hc_limits *limits,
                                 int axis, hc_error *error) {
   for (int k = 0; k < emitters->count; k++) {
@@ -111,7 +134,11 @@ static hc_status check_emitters(const hc_frame *frame, const hc_emitters *emitte
 
 hc_status hc_setup_limits(const hc_scene *scene, const hc_setup_plan *plan, const hc_emitters *emitters,
                           hc_limits *limits, hc_error *error) {
-  const extent computed = compute(scene, plan, emitters);
+  hc_prescribed_motions motions = hc_prescribed_motions_make(scene, plan);
+  const hc_status status = check_motions(scene, plan, &motions, error);
+  const extent computed = compute(scene, plan, &motions, emitters);
+  hc_prescribed_motions_free(&motions);
+  if (status != HC_OK) return status;
   for (int axis = 0; axis < 3; axis++) {
     const double low = scene->domain.limits_min[axis], high = scene->domain.limits_max[axis];
     const bool given = high > low;

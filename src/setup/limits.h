@@ -14,7 +14,7 @@ typedef struct hc_limits {
  * start, all places that walls come to and emitters, widened by its longest edge on every side, by four of
  * them against gravity; no limits where there are no walls, for nothing holds the fluid there. Periodic axes
  * have none. `plan` and `emitters` are those of the same scene. HC_BAD_INPUT: a block of fluid or an emitter
- * that reaches beyond the limits. Local. */
+ * that reaches beyond the limits; a wall that moves beyond all positions. Local. */
 hc_status hc_setup_limits(const hc_scene *scene, const hc_setup_plan *plan, const hc_emitters *emitters,
                           hc_limits *limits, hc_error *error);
 

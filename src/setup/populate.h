@@ -38,10 +38,11 @@ void hc_setup_share(int64_t count, int rank, int size, int64_t *first, int64_t *
 hc_status hc_setup_check_share(const hc_setup_plan *plan, int rank, int size, hc_error *error);
 
 /* Replaces what the two stores hold by the rank's share of the plan: position (wrapped into the periods;
- * fluid shifted off its lattice as the scene asks), id (kind, source, index of the sample), velocity and the
- * normals of walls; all other state is 0. Together the shares of all ranks
- * are the same particles for any number of ranks. Errors (HC_BAD_INPUT): more than 2^31 - 64 particles of a
- * kind on this rank; the stores are then unchanged. Local: agree on the status afterwards. */
+ * fluid shifted off its lattice as the scene asks), id (kind, source, index of the sample), velocity, and of
+ * walls the normals and the reference, which is the position but not wrapped; all other state is 0. Together
+ * the shares of all ranks are the same particles for any number of ranks. Errors (HC_BAD_INPUT): more than
+ * 2^31 - 64 particles of a kind on this rank; the stores are then unchanged. Local: agree on the status
+ * afterwards. */
 hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_particles *fluid,
                             hc_particles *boundary, hc_error *error);
 

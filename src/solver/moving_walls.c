@@ -115,6 +115,10 @@ static void place(const hc_frame *frame, const hc_motion *motion, const hc_pose 
   }
 }
 
+void hc_moving_walls_start(hc_particles *boundary) {
+  memcpy(boundary->reference_normal, boundary->normal, 3 * (size_t)boundary->own * sizeof *boundary->normal);
+}
+
 void hc_moving_walls_place(const hc_moving_walls *moving, const hc_frame *frame, hc_particles *boundary) {
   finder finder = {moving, -1, -1};
   for (int32_t k = 0; k < boundary->own; k++) {

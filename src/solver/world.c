@@ -142,8 +142,6 @@ void hc_world_distribute(hc_world *world, hc_divider divider) {
 }
 
 void hc_world_start(hc_world *world, hc_divider divider) {
-  memcpy(world->boundary.reference_normal, world->boundary.normal,
-         3 * (size_t)world->boundary.own * sizeof *world->boundary.normal);
   hc_world_distribute(world, divider);
   measure_boundary(world);
 }

@@ -50,8 +50,8 @@ void hc_world_free(hc_world *world);
  * hc_world_update. Collective. */
 void hc_world_distribute(hc_world *world, hc_divider divider);
 
-/* Start of a run: what boundary particles keep from then on, the reference of their normals and, from where
- * they are at time 0, their volumes. Then as hc_world_distribute. Collective. */
+/* Start of a run: as hc_world_distribute, and the volumes that boundary particles keep from then on, from
+ * where they are now. Collective. */
 void hc_world_start(hc_world *world, hc_divider divider);
 
 /* Puts moving walls where they are at a time, s (hc_moving_walls_pose); the next hc_world_update brings all

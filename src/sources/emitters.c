@@ -1,5 +1,6 @@
 #include "emitters.h"
 
+#include "base/check.h"
 #include "base/memory.h"
 #include "particles/ids.h"
 
@@ -219,6 +220,8 @@ static void release_layer(release *r, hc_emitter *emitter, double time) {
 
 static void append(hc_particles *fluid, const arrival *arrivals, size_t count) {
   const int32_t first = fluid->own;
+  HC_CHECK(count < (size_t)(INT32_MAX - first), "a rank cannot hold %zu particles more than %d", count,
+           first);
   hc_particles_resize(fluid, first + (int32_t)count);
   for (size_t k = 0; k < count; k++) {
     const size_t i = (size_t)first + k;

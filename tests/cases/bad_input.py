@@ -239,6 +239,7 @@ SCENES = {
     "a stop before the start": (moving("{type: constant, velocity: [1, 0, 0], start: 2, stop: 1}"),
                                 "motion.stop must be > motion.start, not 1 <= 2"),
     "a start before time": (moving("{type: constant, velocity: [1, 0, 0], start: -1}"), "motion.start must be >= 0"),
+    "a wall that leaves": (moving("{type: constant, velocity: [0, 1e10, 0]}"), "boundary.walls[0]", "must stay within 2^31"),
     "an emitter without shape": (emitting("speed: 1"), "exactly one of disc, rectangle; it has none"),
     "an emitter with two": (emitting("disc: {position: [9, 9, 9]}, rectangle: {position: [9, 9, 9]}"), "it has disc and rectangle"),
     "no speed, no rate": (emitting(DISC), "4:14", "fluid.emitters[0] must have a speed or a rate"),

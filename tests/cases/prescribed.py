@@ -23,7 +23,7 @@ def compare(case, one, other):
 
 
 def bits(case, steps):
-    """Ranks and rebalances change nothing, of walls neither."""
+    """Ranks, rebalances of fluid and walls, the place in the world and the instruction set change nothing."""
     options = ["--steps", steps or 60]
     plain = case.run(SCENE, "plain", 1, ("parallel.rebalance=none",), options)
     for ranks in (1, 2, 3, 4, 7):
@@ -33,7 +33,9 @@ def bits(case, steps):
         compare(case, plain, forced)
     far = case.run(SCENE, "far", 2, ("origin_cells=[1000000,1000,-1000000]",), options)
     c.expect_same_text(plain / "steps.csv", far / "steps.csv")
-    return f"{len(c.steps(plain))} steps are the same on 1, 2, 3, 4, 7 ranks with rebalances, and far away"
+    avx2 = case.run(SCENE, "avx2", 2, (), options, {"HALOCLINE_ISA": "avx2"})
+    c.expect_same_text(plain / "steps.csv", avx2 / "steps.csv")
+    return f"{len(c.steps(plain))} steps are the same on 1, 2, 3, 4, 7 ranks with rebalances, far away, and with AVX2"
 
 
 def restart(case, steps):

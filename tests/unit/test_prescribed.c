@@ -181,6 +181,8 @@ START_TEST(poses_do_not_add_up) {
   const size_t bytes = 3 * (size_t)boundary.own * sizeof *boundary.position;
   int64_t *once = hc_alloc(1, bytes), *start = hc_alloc(1, bytes);
   memcpy(start, boundary.position, bytes);
+  for (int32_t k = 0; k < 3 * boundary.own; k++) boundary.normal[k] = k % 3 == 0;
+  hc_moving_walls_start(&boundary);
   static const double times[] = {1.0, 0.0, 0.3, 0.7, 0.2, 1.0};
   for (int k = 0; k < 6; k++) {
     moving.poses[0] = hc_motion_pose(&moving.walls[0].motion, times[k]);
@@ -201,6 +203,8 @@ START_TEST(poses_do_not_add_up) {
     const double to[3] = {moves ? 0.6 - (was[1] - 0.1) : was[0], moves ? 0.1 + (was[0] - 0.1) : was[1],
                           was[2]};
     for (int a = 0; a < 3; a++) ck_assert_double_eq_tol(x[a], to[a], 2e-10);
+    ck_assert_float_eq_tol(boundary.normal[3 * k], moves ? 0.0f : 1.0f, 1e-6f);
+    ck_assert_float_eq_tol(boundary.normal[3 * k + 1], moves ? 1.0f : 0.0f, 1e-6f);
     turned += moves;
   }
   ck_assert_int_gt(turned, 100);

@@ -250,7 +250,7 @@ START_TEST(test_values) {
   ck_assert_double_eq(scene.fluid.emitters[1].rate, 0.01);
   ck_assert_int_eq(scene.fluid.emitters[1].max_particles, 99999999999);
   ck_assert_double_eq(scene.fluid.emitters[0].direction[2], -4.0);
-  ck_assert_double_eq(scene.fluid.emitters[0].clearance, 0.7);
+  ck_assert_double_eq(scene.fluid.emitters[0].clearance, 0.8);
   ck_assert_int_eq(scene.parallel.decomposition, HC_DECOMPOSITION_METIS);
   ck_assert_int_eq(scene.parallel.rebalance, HC_REBALANCE_NONE);
   ck_assert_int_eq(scene.parallel.rebalance_at, 12);
