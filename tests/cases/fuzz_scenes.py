@@ -222,6 +222,7 @@ def main():
     options = parser.parse_args()
     options.halocline = str(Path(options.halocline).resolve())
     scenes = [path.read_text(encoding="utf-8") for path in sorted((c.SOURCE / "scenes").glob("*.yaml"))]
+    scenes = [text.replace("meshes/", f"{c.SOURCE}/scenes/meshes/") for text in scenes]  # they are read from elsewhere
     numbers = range(options.count) if options.only is None else [options.only]
     counts, failures = collections.Counter(), []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
