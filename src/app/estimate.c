@@ -11,7 +11,8 @@
 
 /* Bytes; see the head of estimate.h. */
 enum {
-  PROGRAM = 30 << 20,
+  PROGRAM = 34 << 20,
+  READING_MESHES = 10 << 20, /* that Assimp keeps */
   FLUID = 170,
   NEIGHBORS = 20, /* times the cube of the support radius in spacings */
   WALL = 198,
@@ -167,6 +168,14 @@ double hc_estimate_least_memory(const hc_scene *scene, const hc_setup_plan *plan
                        (double)ranks;
 }
 
+static bool reads_meshes(const hc_scene *scene) {
+  for (int k = 0; k < scene->fluid.block_count; k++)
+    if (scene->fluid.blocks[k].form == HC_FORM_MESH) return true;
+  for (int k = 0; k < scene->boundary.wall_count; k++)
+    if (scene->boundary.walls[k].form == HC_FORM_MESH) return true;
+  return false;
+}
+
 static void estimate_memory(const hc_scene *scene, hc_estimate *estimate) {
   const double ranks = (double)estimate->ranks;
   const double fluid = (double)estimate->fluid_most, boundary = (double)estimate->boundary.count;
@@ -180,7 +189,7 @@ static void estimate_memory(const hc_scene *scene, hc_estimate *estimate) {
     ghosts += fluid / ranks * ghost_share(scene, &estimate->fluid, axis, estimate->ranks);
   if (boundary > 0)
     ghosts += boundary / ranks * ghost_share(scene, &estimate->boundary, axis, estimate->ranks);
-  estimate->memory_program = PROGRAM;
+  estimate->memory_program = PROGRAM + (reads_meshes(scene) ? READING_MESHES : 0);
   estimate->memory_fluid = fluid_bytes(scene) * own_fluid;
   estimate->memory_boundary = WALL * own_boundary;
   estimate->memory_ghosts = GHOST * ghosts;

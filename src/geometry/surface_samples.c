@@ -15,7 +15,7 @@ static const double near_enough = 0.93; /* of the depth that is meant */
 static const double longest_mitre = 2;  /* of the depth */
 static const double thin = 1.5;         /* spacings */
 enum { PASSES = 3, ROUNDS = 5 };
-static const double most_candidates = 1 << 27;
+static const double most_candidates = 1 << 24;
 
 /* A surface being sampled at one depth. */
 typedef struct work {

@@ -21,7 +21,8 @@
 
 /* Fills surface->samples, the first layer before the second. `fluid_inside`: the fluid is within a closed
  * surface; else on the side that its triangles look at. A surface so small that nothing fits behind it has
- * one sample in its middle. HC_BAD_INPUT: more than 2^27 candidates would be needed. Local. */
+ * one sample in its middle. HC_BAD_INPUT: more than 2^24 candidates would be needed, some 600,000 samples.
+ * Local. */
 hc_status hc_surface_samples_make(hc_surface *surface, double spacing, int layers, bool fluid_inside,
                                   hc_error *error);
 

@@ -11,7 +11,7 @@
 #include "comm/comm.h"
 #include "halocline/error.h"
 
-enum { HC_SEAL_BYTES = 512, HC_CHECKPOINT_FORMAT = 1 };
+enum { HC_SEAL_BYTES = 512, HC_CHECKPOINT_FORMAT = 2 };
 
 /* Reads the file at `path` (the same on every rank), whose way to disk is begun meanwhile, and makes its
  * seal. Collective; HC_IO_FAILED, agreed, if it cannot be read. */

@@ -215,13 +215,15 @@ def main():
     parser.add_argument("--only", type=int, metavar="N", help="only scene N")
     parser.add_argument("--memory", type=float, default=4, metavar="GIB",
                         help="limit of address space (default: 4; 0: none, which sanitizers need)")
-    parser.add_argument("--timeout", type=float, default=120, metavar="S", help="limit of each call (default: 120)")
+    parser.add_argument("--timeout", type=float, default=600, metavar="S",
+                        help="limit of each call (default: 600: surfaces may be large)")
     parser.add_argument("--jobs", type=int, default=4, help="scenes at a time; much of a start is waiting (default: 4)")
     parser.add_argument("--keep", type=Path, default=Path(tempfile.gettempdir()) / "halocline_fuzz_failures",
                         metavar="DIR", help="where scenes that failed are left")
     options = parser.parse_args()
     options.halocline = str(Path(options.halocline).resolve())
     scenes = [path.read_text(encoding="utf-8") for path in sorted((c.SOURCE / "scenes").glob("*.yaml"))]
+    scenes = [text.replace("meshes/", f"{c.SOURCE}/scenes/meshes/") for text in scenes]  # they are read from elsewhere
     numbers = range(options.count) if options.only is None else [options.only]
     counts, failures = collections.Counter(), []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:

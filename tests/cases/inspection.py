@@ -103,6 +103,10 @@ def standing_wave(case, steps):
     return on_ranks(case, "standing_wave", steps or 5, ("fluid.settle_steps=5",))
 
 
+def meshes(case, steps):
+    return on_ranks(case, "meshes", steps or 20)
+
+
 def shapes(case, steps):
     return on_ranks(case, "shapes", steps or 20)
 
@@ -195,5 +199,5 @@ def diff(case, steps):
 if __name__ == "__main__":
     c.main(__doc__, {"dam_break": dam_break, "finer_dam": finer_dam, "free_fall": free_fall, "hydrostatic": hydrostatic,
                      "hydrostatic_walled": hydrostatic_walled, "taylor_green": taylor_green, "martin_moyce": martin_moyce,
-                     "kleefsman": kleefsman, "poiseuille": poiseuille, "standing_wave": standing_wave, "shapes": shapes,
+                     "kleefsman": kleefsman, "poiseuille": poiseuille, "standing_wave": standing_wave, "shapes": shapes, "meshes": meshes,
                      "check_by_hand": check_by_hand, "info": info, "diff": diff})

@@ -192,6 +192,7 @@ def same_bits(case, steps):
             c.expect_same_text(runs["one"] / table, run / table)
         for left, right in zip(c.snapshots(runs["one"]), c.snapshots(run)):
             case.diff(left, right)
+    case.call(["check", runs["two"] / "scene.yaml"])  # paths whole, profiles written
     return f"{steps} steps are the same on 1, 2, 3, 4 ranks, with METIS and far away"
 
 

@@ -73,9 +73,12 @@ END_TEST
 
 /* The sign against the solid angle that the triangles take up, with corners and edges nearest too. */
 START_TEST(sides_are_right_everywhere) {
+  const double disc[][2] = {{0, 0}, {0.5, 0.1}, {0, 0.2}}; /* with a sharp rim */
+  hc_mesh sharp;
+  ck_assert_int_eq(hc_revolution_mesh(none, slanted, disc, 3, true, DX, &sharp, NULL), HC_OK);
   hc_surface *const surfaces[] = {surface_of(l_mesh(0.5), true), surface_of(glass_mesh(), true),
-                                  surface_of(torus_mesh(), true)};
-  for (int s = 0; s < 3; s++) {
+                                  surface_of(torus_mesh(), true), surface_of(sharp, true)};
+  for (int s = 0; s < 4; s++) {
     const hc_mesh *const mesh = &surfaces[s]->mesh;
     for (int k = 0; k < 150; k++) {
       double x[3], angle = 0;
