@@ -189,6 +189,56 @@ HC_INLINE void sum_walls(const hc_sweep *sweep, int32_t first, int32_t count, bl
   add_up_vectors(gradients, count);
 }
 
+/* Sums W over the neighbours of targets [first, first + count), or W times the scalar of `weights`, records
+ * beside the sources; without the constant. */
+HC_INLINE void sum_kernels(const hc_sweep *sweep, const hc_record *targets, const hc_neighbors *list,
+                           const hc_record *sources, const hc_record *weights, int32_t first, int32_t count,
+                           block_sums *kernels) {
+  for (int32_t k = 0; k < count; k++) {
+    const self own = make_self(sweep, &targets[first + k]);
+    const row row = row_of(list, first + k);
+    sums sum = {{{0}}};
+    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+        const int32_t at = pass + part * HC_GROUP;
+        const pair p = load_pair(&own, sources, row.offset + at);
+        hc_float value = kernel(p.q);
+        if (weights) {
+          hc_float weight;
+          load_velocity(weights, row.offset + at, &weight);
+          value = value * weight;
+        }
+        sum.part[part] += hc_keep(value, row.count - at);
+      }
+    }
+    hc_store_lanes(sum.part, kernels->lanes[k]);
+  }
+  add_up(kernels, count);
+}
+
+/* Sums (s_i + s_j) grad W over fluid neighbours of a block with s = place.scalar, without the constant. */
+HC_INLINE void sum_pressure_gradients(const hc_sweep *sweep, int32_t first, int32_t count,
+                                      block_vectors *gradients) {
+  const hc_record *place = sweep->fluid->place;
+  for (int32_t k = 0; k < count; k++) {
+    const self own = make_self(sweep, &place[first + k]);
+    const hc_float scalar = hc_set(place[first + k].scalar);
+    const row row = row_of(sweep->list, first + k);
+    vector_sums sum = no_sums();
+    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+        const int32_t at = pass + part * HC_GROUP;
+        const pair p = load_pair(&own, place, row.offset + at);
+        const vector d = direction(&p);
+        const hc_float factor = (scalar + p.scalar) * slope_over_q(p.q);
+        add_scaled(&sum, part, hc_keep_groups(factor, row.entries - at), &d);
+      }
+    }
+    store_vector(gradients, k, &sum);
+  }
+  add_up_vectors(gradients, count);
+}
+
 /* The sweeps that hc_sweeps is put together from, those of the other files. */
 typedef void hc_force_sweep(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
 hc_force_sweep HC_ISA_SYMBOL(hc_xsph), HC_ISA_SYMBOL(hc_laminar), HC_ISA_SYMBOL(hc_artificial),

@@ -11,20 +11,7 @@ HC_INLINE void sum_wall_kernels(const hc_sweep *sweep, int32_t first, int32_t co
     memset(kernels->total, 0, sizeof kernels->total);
     return;
   }
-  for (int32_t k = 0; k < count; k++) {
-    const self own = make_self(sweep, &sweep->fluid->place[first + k]);
-    const row row = row_of(sweep->walls, first + k);
-    sums sum = {{{0}}};
-    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
-      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
-        const int32_t at = pass + part * HC_GROUP;
-        const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
-        sum.part[part] += hc_keep(kernel(p.q), row.count - at);
-      }
-    }
-    hc_store_lanes(sum.part, kernels->lanes[k]);
-  }
-  add_up(kernels, count);
+  sum_kernels(sweep, sweep->fluid->place, sweep->walls, sweep->boundary->place, NULL, first, count, kernels);
 }
 
 /* Where particles of a block stand to the planes through the samples around them: w = max(0, 1 - q), sums of
@@ -118,32 +105,6 @@ HC_INLINE void sum_wall_densities(const hc_sweep *sweep, const hc_prediction *pr
 
 /* ---- densities and pressures ---- */
 
-/* Sums W, or W/D_j, over fluid neighbours of a block, without the constant. */
-HC_INLINE void sum_kernels(const hc_sweep *sweep, bool by_density, int32_t first, int32_t count,
-                           block_sums *kernels) {
-  const hc_particles *fluid = sweep->fluid;
-  for (int32_t k = 0; k < count; k++) {
-    const self own = make_self(sweep, &fluid->place[first + k]);
-    const row row = row_of(sweep->list, first + k);
-    sums sum = {{{0}}};
-    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
-      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
-        const int32_t at = pass + part * HC_GROUP;
-        const pair p = load_pair(&own, fluid->place, row.offset + at);
-        hc_float value = kernel(p.q);
-        if (by_density) {
-          hc_float inverse;
-          load_velocity(fluid->motion, row.offset + at, &inverse);
-          value = value * inverse;
-        }
-        sum.part[part] += hc_keep(value, row.count - at);
-      }
-    }
-    hc_store_lanes(sum.part, kernels->lanes[k]);
-  }
-  add_up(kernels, count);
-}
-
 void HC_ISA_SYMBOL(hc_predicted_density)(const hc_sweep *sweep, const hc_prediction *prediction,
                                          int32_t begin, int32_t end, hc_error_total *total) {
   hc_particles *fluid = sweep->fluid;
@@ -151,7 +112,7 @@ void HC_ISA_SYMBOL(hc_predicted_density)(const hc_sweep *sweep, const hc_predict
   float share[BLOCK];
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
-    sum_kernels(sweep, false, first, count, &kernels);
+    sum_kernels(sweep, fluid->place, sweep->list, fluid->place, NULL, first, count, &kernels);
     sum_wall_densities(sweep, prediction, first, count, share);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = first + k;
@@ -173,7 +134,7 @@ void HC_ISA_SYMBOL(hc_corrected_density)(const hc_sweep *sweep, const hc_predict
   float share[BLOCK];
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
-    sum_kernels(sweep, true, first, count, &kernels);
+    sum_kernels(sweep, fluid->place, sweep->list, fluid->place, fluid->motion, first, count, &kernels);
     sum_wall_densities(sweep, prediction, first, count, share);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = first + k;
@@ -192,20 +153,7 @@ void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_predicti
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
     if (list->start[first] == list->start[first + count]) continue; /* dry: the pressure stays 0 */
-    for (int32_t k = 0; k < count; k++) {
-      const self own = make_self(sweep, &boundary->place[first + k]);
-      const row row = row_of(list, first + k);
-      sums sum = {{{0}}};
-      for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
-        for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
-          const int32_t at = pass + part * HC_GROUP;
-          const pair p = load_pair(&own, sweep->fluid->place, row.offset + at);
-          sum.part[part] += hc_keep(kernel(p.q), row.count - at);
-        }
-      }
-      hc_store_lanes(sum.part, kernels.lanes[k]);
-    }
-    add_up(&kernels, count);
+    sum_kernels(sweep, boundary->place, list, sweep->fluid->place, NULL, first, count, &kernels);
     for (int32_t k = 0; k < count; k++) {
       const int32_t b = first + k;
       if (list->count[b] == 0) continue;
@@ -251,23 +199,7 @@ void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *predicti
   block_vectors pushes, walls;
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
-    for (int32_t k = 0; k < count; k++) {
-      const self own = make_self(sweep, &fluid->place[first + k]);
-      const hc_float scalar = hc_set(fluid->place[first + k].scalar);
-      const row row = row_of(sweep->list, first + k);
-      vector_sums sum = no_sums();
-      for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
-        for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
-          const int32_t at = pass + part * HC_GROUP;
-          const pair p = load_pair(&own, fluid->place, row.offset + at);
-          const vector d = direction(&p);
-          add_scaled(&sum, part, hc_keep_groups((scalar + p.scalar) * slope_over_q(p.q), row.entries - at),
-                     &d);
-        }
-      }
-      store_vector(&pushes, k, &sum);
-    }
-    add_up_vectors(&pushes, count);
+    sum_pressure_gradients(sweep, first, count, &pushes);
     if (sweep->walls_add == HC_WALLS_PRESSURE) sum_wall_pushes(sweep, first, count, &walls);
     for (int32_t k = 0; k < count; k++) {
       const size_t i = (size_t)(first + k);

@@ -150,23 +150,7 @@ static void pressure(const hc_sweep *sweep, float weight, float *multiplier, int
   block_vectors changes;
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
-    for (int32_t k = 0; k < count; k++) {
-      const self own = make_self(sweep, &fluid->place[first + k]);
-      const hc_float own_kappa = hc_set(fluid->place[first + k].scalar);
-      const row row = row_of(sweep->list, first + k);
-      vector_sums sum = no_sums();
-      for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
-        for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
-          const int32_t at = pass + part * HC_GROUP;
-          const pair p = load_pair(&own, fluid->place, row.offset + at);
-          const vector d = direction(&p);
-          const hc_float factor = (own_kappa + p.scalar) * slope_over_q(p.q);
-          add_scaled(&sum, part, hc_keep_groups(factor, row.entries - at), &d);
-        }
-      }
-      store_vector(&changes, k, &sum);
-    }
-    add_up_vectors(&changes, count);
+    sum_pressure_gradients(sweep, first, count, &changes);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = first + k;
       const float kappa = fluid->place[i].scalar, wall_weight = weight * kappa;
@@ -188,20 +172,7 @@ static void boundary_volume(const hc_sweep *sweep, hc_particles *boundary, const
   block_sums kernels;
   for (int32_t first = 0; first < boundary->own; first += BLOCK) {
     const int32_t count = block_size(first, boundary->own);
-    for (int32_t k = 0; k < count; k++) {
-      const self own = make_self(sweep, &boundary->place[first + k]);
-      const row row = row_of(list, first + k);
-      sums sum = {{{0}}};
-      for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
-        for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
-          const int32_t at = pass + part * HC_GROUP;
-          const pair p = load_pair(&own, boundary->place, row.offset + at);
-          sum.part[part] += hc_keep(kernel(p.q), row.count - at);
-        }
-      }
-      hc_store_lanes(sum.part, kernels.lanes[k]);
-    }
-    add_up(&kernels, count);
+    sum_kernels(sweep, boundary->place, list, boundary->place, NULL, first, count, &kernels);
     for (int32_t k = 0; k < count; k++)
       boundary->volume[first + k] = factor / (sweep->kernel * (1.0f + kernels.total[k]));
   }
