@@ -232,6 +232,7 @@ END_TEST
 int main(void) {
   Suite *const suite = suite_create("layers");
   TCase *const tests = tcase_create("layers");
+  tcase_set_timeout(tests, 120);
   tcase_add_test(tests, a_second_layer_lies_behind_the_first);
   tcase_add_test(tests, normals_lead_into_the_fluid);
   tcase_add_test(tests, boxes_have_exact_normals);

@@ -294,6 +294,7 @@ END_TEST
 int main(void) {
   Suite *const suite = suite_create("mesh");
   TCase *const tests = tcase_create("mesh");
+  tcase_set_timeout(tests, 120);
   tcase_add_unchecked_fixture(tests, make_folder, remove_folder);
   tcase_add_test(tests, all_kinds_are_read);
   tcase_add_test(tests, files_that_are_no_meshes_are_refused);
