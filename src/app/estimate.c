@@ -3,6 +3,7 @@
 #include "base/check.h"
 #include "base/memory.h"
 #include "gauges/gauges.h"
+#include "settings.h"
 #include "setup/world_frame.h"
 #include "simulation.h"
 
@@ -125,7 +126,7 @@ static hc_status estimate_particles(const hc_setup_plan *plan, hc_estimate *esti
 /* ---- time ---- */
 
 static void estimate_steps(const hc_scene *scene, double v2_max, double prescribed, hc_estimate *estimate) {
-  const hc_step_settings step = hc_step_settings_of(scene);
+  const hc_step_settings step = hc_settings_step(scene);
   const hc_step_report start = hc_simulation_start_report(scene, fmax(v2_max, prescribed * prescribed));
   estimate->first_step =
       hc_time_step_next(&step, 0.0, hc_simulation_settle_step(scene), &start, &estimate->bound);

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "estimate.h"
 #include "failure.h"
+#include "settings.h"
 #include "setup/rest_lattice.h"
 #include "setup/world_frame.h"
 
@@ -13,189 +14,6 @@ static hc_isa agree_on_isa(hc_comm *comm) {
   int64_t isa = hc_isa_best();
   hc_comm_min_i64(comm, &isa, 1);
   return (hc_isa)isa;
-}
-
-static const hc_boundary_ops *boundary_of(hc_boundary_method method) {
-  switch (method) {
-  case HC_BOUNDARY_AKINCI2012:
-    return &hc_boundary_akinci2012;
-  case HC_BOUNDARY_IHMSEN2010:
-    return &hc_boundary_ihmsen2010;
-  case HC_BOUNDARY_BECKER2009:
-    return &hc_boundary_becker2009;
-  case HC_BOUNDARY_HARADA2007:
-    return &hc_boundary_harada2007;
-  }
-  return NULL;
-}
-
-static const hc_solver_ops *solver_of(hc_solver_method method) {
-  switch (method) {
-  case HC_SOLVER_DFSPH:
-    return &hc_solver_dfsph;
-  case HC_SOLVER_PCISPH:
-    return &hc_solver_pcisph;
-  }
-  return NULL;
-}
-
-static hc_viscous_force viscosity_of(hc_viscosity_model model) {
-  switch (model) {
-  case HC_VISCOSITY_NONE:
-    return HC_VISCOUS_NONE;
-  case HC_VISCOSITY_XSPH:
-    return HC_VISCOUS_XSPH;
-  case HC_VISCOSITY_ARTIFICIAL:
-    return HC_VISCOUS_ARTIFICIAL;
-  case HC_VISCOSITY_LAMINAR:
-    return HC_VISCOUS_LAMINAR;
-  }
-  return HC_VISCOUS_NONE;
-}
-
-/* Sound speed of the artificial viscosity if the scene names none: ten times the speed of a fall over the
- * fluid's height, which keeps a weakly compressible fluid within 1 %. */
-static double default_sound_speed(const hc_scene *scene) {
-  double gravity = 0.0, height = 0.0;
-  for (int axis = 0; axis < 3; axis++) gravity += scene->gravity[axis] * scene->gravity[axis];
-  for (int block = 0; block < scene->fluid.block_count; block++) {
-    const hc_box box = hc_source_block_bounds(&scene->fluid.blocks[block]);
-    double extent = 0.0;
-    for (int axis = 0; axis < 3; axis++)
-      extent += (box.max[axis] - box.min[axis]) *
-                (gravity > 0.0 ? fabs(scene->gravity[axis]) / sqrt(gravity) : 1.0);
-    height = fmax(height, extent);
-  }
-  return 10.0 * sqrt(2.0 * (gravity > 0.0 ? sqrt(gravity) : 1.0) * height);
-}
-
-/* Likewise of what emitters bring: ten times its speed. */
-static double emitted_sound_speed(const hc_scene *scene) {
-  double speed = 0.0;
-  for (int k = 0; k < scene->fluid.emitter_count; k++) {
-    const hc_scene_emitter *emitter = &scene->fluid.emitters[k];
-    const double area = emitter->form == HC_EMITTER_DISC
-                            ? 3.14159265358979323846 * emitter->radius * emitter->radius
-                            : emitter->size[0] * emitter->size[1];
-    speed = fmax(speed, fmax(emitter->speed, emitter->rate / area));
-  }
-  return 10.0 * speed;
-}
-
-static double sound_speed(const hc_scene *scene) {
-  if (scene->fluid.viscosity.model != HC_VISCOSITY_ARTIFICIAL) return 0.0;
-  return scene->fluid.viscosity.sound_speed > 0.0
-             ? scene->fluid.viscosity.sound_speed
-             : fmax(default_sound_speed(scene), emitted_sound_speed(scene));
-}
-
-/* Of all blocks together, along gravity, m; 0 without gravity. */
-static double fluid_height(const hc_scene *scene, double gravity) {
-  double low = INFINITY, high = -INFINITY;
-  for (int block = 0; block < scene->fluid.block_count && gravity > 0.0; block++) {
-    const hc_box box = hc_source_block_bounds(&scene->fluid.blocks[block]);
-    double ends[2] = {0.0, 0.0};
-    for (int axis = 0; axis < 3; axis++) {
-      const double down = scene->gravity[axis] / gravity;
-      ends[down < 0.0] += down * box.min[axis];
-      ends[down >= 0.0] += down * box.max[axis];
-    }
-    low = fmin(low, ends[0]);
-    high = fmax(high, ends[1]);
-  }
-  return high > low ? high - low : 0.0;
-}
-
-static hc_adaptive_settings adaptive_settings_of(const hc_scene *scene) {
-  const hc_time_adaptive *a = &scene->time_step.adaptive;
-  const double error_avg = scene->solver.density_error_avg, error_max = scene->solver.density_error_max,
-               gravity = hc_simulation_start_report(scene, 0.0).force_max;
-  return (hc_adaptive_settings){
-      .error_avg = error_avg,
-      .error_max = error_max > 0.0 ? error_max : 10.0 * error_avg,
-      .change = a->change,
-      .grow = {a->grow.force, a->grow.velocity, a->grow.error_max, a->grow.error_avg},
-      .shrink = {a->shrink.force, a->shrink.velocity, a->shrink.error_max, a->shrink.error_avg},
-      .shock_rise = a->shock.error_rise > 0.0 ? a->shock.error_rise : 5.0 * error_avg,
-      .shock_velocity = a->shock.velocity,
-      .restart_force = a->restart.force,
-      .restart_velocity = a->restart.velocity,
-      .restart_share = a->restart.share,
-      .most_restarts = a->restart.most,
-      .first_velocity = a->first.velocity,
-      .first_depth = a->first.depth,
-      .gravity = gravity,
-      .depth = fluid_height(scene, gravity)};
-}
-
-static hc_step_control control_of(hc_time_control control) {
-  switch (control) {
-  case HC_TIME_CONSTANT:
-    return HC_STEP_CONSTANT;
-  case HC_TIME_CFL:
-    return HC_STEP_CFL;
-  case HC_TIME_ADAPTIVE:
-    return HC_STEP_ADAPTIVE;
-  }
-  return HC_STEP_CFL;
-}
-
-hc_step_settings hc_step_settings_of(const hc_scene *scene) {
-  const bool laminar = scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR;
-  const double coefficient = scene->fluid.viscosity.coefficient;
-  return (hc_step_settings){
-      .control = control_of(scene->time_step.control),
-      .size = scene->time_step.size,
-      .max = scene->time_step.max,
-      .min = scene->time_step.min,
-      .factor = scene->time_step.factor,
-      .spacing = scene->particle_spacing,
-      .support_radius = scene->support_radius,
-      /* artificial: the kinematic viscosity it amounts to in three dimensions, alpha h c / 10 (Monaghan 2005)
-       */
-      .viscosity = laminar ? coefficient : 0.1 * coefficient * scene->support_radius * sound_speed(scene),
-      .end_time = scene->end_time,
-      .adaptive = adaptive_settings_of(scene)};
-}
-
-/* What PCISPH reads besides. */
-static void choose_prediction(const hc_scene *scene, hc_solver_settings *solver) {
-  const double h = scene->support_radius, ratio = scene->particle_spacing / h;
-  solver->density_error_max = scene->solver.density_error_max > 0.0 ? scene->solver.density_error_max
-                                                                    : 10.0 * scene->solver.density_error_avg;
-  solver->gradient_square = hc_setup_rest_lattice_gradient(ratio) / pow(h, 8.0);
-  solver->shepard = scene->solver.density_correction == HC_CORRECTION_SHEPARD;
-  solver->friction = scene->boundary.friction;
-  solver->elasticity = scene->boundary.elasticity;
-  const double volume = scene->fluid.mass_factor / hc_setup_rest_lattice_sum(ratio); /* in h3 */
-  for (int k = 0; k <= HC_WALL_WEIGHTS; k++)
-    solver->wall_weights[k] = (float)(volume * hc_setup_half_space(ratio, (double)k / HC_WALL_WEIGHTS));
-}
-
-static void choose_settings(hc_simulation *simulation) {
-  const hc_scene *scene = simulation->scene;
-  hc_solver_settings *solver = &simulation->solver_settings;
-  *solver = (hc_solver_settings){.rest_density = scene->fluid.rest_density,
-                                 .viscosity = viscosity_of(scene->fluid.viscosity.model),
-                                 .viscosity_coefficient = scene->fluid.viscosity.coefficient,
-                                 .sound_speed = sound_speed(scene),
-                                 .density_error_avg = scene->solver.density_error_avg,
-                                 .divergence_error = scene->solver.divergence_error,
-                                 .density_min = scene->solver.density_iterations.min,
-                                 .density_max = scene->solver.density_iterations.max,
-                                 .divergence_min = scene->solver.divergence_iterations.min,
-                                 .divergence_max = scene->solver.divergence_iterations.max,
-                                 .warm_start = scene->solver.warm_start,
-                                 .relaxation = scene->solver.relaxation,
-                                 .min_divergence_neighbors = scene->solver.min_divergence_neighbors,
-                                 .negative_pressure = scene->solver.negative_pressure};
-  memcpy(solver->gravity, scene->gravity, sizeof solver->gravity);
-  if (scene->fluid.surface_tension.model == HC_TENSION_BECKER2007)
-    solver->surface_tension = scene->fluid.surface_tension.coefficient;
-  if (scene->solver.method == HC_SOLVER_PCISPH) choose_prediction(scene, solver);
-  simulation->solver = solver_of(scene->solver.method);
-
-  simulation->step_settings = hc_step_settings_of(scene);
 }
 
 /* Where memory is promised before it is there, running out of it kills: so what cannot fit is refused. */
@@ -220,7 +38,7 @@ double hc_simulation_settle_step(const hc_scene *scene) {
   if (scene->fluid.settle_steps == 0) return 0.0;
   if (scene->time_step.control == HC_TIME_CONSTANT) return scene->time_step.size;
   if (scene->time_step.control == HC_TIME_CFL) return scene->time_step.max;
-  const hc_step_settings settings = hc_step_settings_of(scene);
+  const hc_step_settings settings = hc_settings_step(scene);
   const hc_step_report still = {.v_max = 0.0};
   hc_step_bound unused;
   return hc_time_step_next(&settings, 0.0, 0.0, &still, &unused);
@@ -368,14 +186,14 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
   simulation->comm = comm;
   simulation->isa = agree_on_isa(comm);
   hc_balance_init(&simulation->balance, scene);
-  choose_settings(simulation);
+  simulation->solver = hc_settings_solver_ops(scene);
+  simulation->solver_settings = hc_settings_solver(scene);
+  simulation->step_settings = hc_settings_step(scene);
 
   hc_frame frame;
   if (hc_setup_frame(scene, &frame, error) != HC_OK) return error->status;
   const double ratio = scene->particle_spacing / scene->support_radius, h = frame.support_radius;
-  const double volume_factor = scene->boundary.method != HC_BOUNDARY_AKINCI2012 ? hc_setup_wall_share(ratio)
-                               : scene->boundary.volume_factor > 0.0 ? scene->boundary.volume_factor
-                                                                     : hc_setup_wall_factor(ratio);
+  const double volume_factor = hc_settings_wall_factor(scene);
   const hc_world_settings settings = {
       .frame = frame,
       .rest_density = scene->fluid.rest_density,
@@ -383,7 +201,7 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
           scene->fluid.rest_density * scene->fluid.mass_factor * h * h * h / hc_setup_rest_lattice_sum(ratio),
       .volume_factor = volume_factor,
       .contact_limit = scene->boundary.contact ? hc_setup_contact_limit(ratio, volume_factor) : 0.0,
-      .boundary_ops = boundary_of(scene->boundary.method),
+      .boundary_ops = hc_settings_boundary(scene),
       .isa = simulation->isa};
   hc_world_init(&simulation->world, comm, &settings);
   if (plan_particles(simulation, error) != HC_OK) hc_simulation_free(simulation);

@@ -91,7 +91,4 @@ double hc_simulation_fastest(const hc_particles *fluid);
 double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_prescribed_motions *motions,
                                       const hc_emitters *emitters);
 
-/* What bounds the steps of a scene. Local. */
-hc_step_settings hc_step_settings_of(const hc_scene *scene);
-
 #endif
