@@ -351,7 +351,8 @@ def scenes(case, _):
 
 
 def scenes_on_ranks(case, _):
-    count = all_of([(refuse_scene, case, name, 3) for name in SCENES])
+    """Every fourth: what is wrong is found in one place, and told by another."""
+    count = all_of([(refuse_scene, case, name, 3) for name in list(SCENES)[::4]])
     return f"run refuses {count} broken scenes on 3 ranks"
 
 

@@ -161,7 +161,7 @@ def broken(case, _):
 
 
 def broken_on_ranks(case, _):
-    return f"{b.all_of([(refuse, case, name, 3) for name in BROKEN])} scenes with broken surfaces end as agreed on 3 ranks"
+    return f"{b.all_of([(refuse, case, name, 3) for name in list(BROKEN)[::3]])} scenes with broken surfaces end as agreed on 3 ranks"
 
 
 def turned(case, _):
