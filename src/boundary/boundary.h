@@ -26,7 +26,8 @@ typedef struct hc_boundary_ops {
 
   /* Prepares own boundary particles once they are placed: what the sweeps read of them. `list` holds their
    * boundary neighbours, ghosts included; `factor` scales the volumes, or is the largest share of the
-   * boundary in its own density where samples are frozen fluid. Local; the caller refreshes the ghosts. */
+   * boundary in its own density where samples of frozen fluid overlap. Local; the caller refreshes the
+   * ghosts. */
   void (*prepare)(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
                   const hc_neighbors *list, double factor);
 

@@ -9,7 +9,23 @@
  * go along, and the particle is left where it is. */
 #include "boundary.h"
 
-#include <math.h>
+/* Is a sample nearer to another than samples of one wall are? */
+static bool crowded(const hc_sweep *sweep, const hc_particles *boundary, const hc_neighbors *list,
+                    int32_t b) {
+  const double least = 0.8 * (double)(sweep->reach / sweep->support);
+  const uint32_t *offset = list->offset + (size_t)list->start[b] * HC_LIST_GROUP;
+  for (int k = 0; k < list->count[b]; k++) {
+    const hc_record *place = &boundary->place[b], *other = &boundary->place[offset[k] / sizeof(hc_record)];
+    double square = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+      const int32_t apart = (int32_t)((uint32_t)place->x[axis] - (uint32_t)other->x[axis]);
+      const double x = apart * (double)sweep->scale[axis];
+      square += x * x;
+    }
+    if (square < least * least) return true;
+  }
+  return false;
+}
 
 void hc_boundary_prepare_frozen(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
                                 const hc_neighbors *list, double factor) {
@@ -17,7 +33,8 @@ void hc_boundary_prepare_frozen(const hc_sweeps *sweeps, const hc_sweep *sweep, 
    * themselves, and a pressure from that alone would blow up what touches them. */
   sweeps->boundary_volume(sweep, boundary, list, 1.0f);
   for (int32_t b = 0; b < boundary->own; b++) {
-    boundary->boundary_share[b] = fminf(sweep->volume / boundary->volume[b], (float)factor);
+    const float share = sweep->volume / boundary->volume[b], most = (float)factor;
+    boundary->boundary_share[b] = share > most && crowded(sweep, boundary, list, b) ? most : share;
     boundary->volume[b] = sweep->volume;
     boundary->place[b].scalar = 0.0f;
   }
