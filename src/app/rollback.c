@@ -53,7 +53,8 @@ static bool may_be_shock(hc_fault_kind kind) {
 static hc_shock find_shock(hc_simulation *simulation, double dt, const hc_step_report *before,
                            const hc_error *error) {
   const double time = simulation->time + dt;
-  if (error->status != HC_OK)
+  const bool left = simulation->report.fault.kind == HC_FAULT_LEFT; /* behind the step, which is whole */
+  if (error->status != HC_OK && !left)
     return (hc_shock){.kind = may_be_shock(simulation->report.fault.kind) ? HC_SHOCK_FAULT : HC_SHOCK_NONE,
                       .time = time,
                       .dt = dt};

@@ -155,7 +155,8 @@ static void choose_prediction(const hc_scene *scene, hc_solver_settings *solver)
   const double h = scene->support_radius, ratio = scene->particle_spacing / h;
   solver->density_error_max = scene->solver.density_error_max > 0.0 ? scene->solver.density_error_max
                                                                     : 10.0 * scene->solver.density_error_avg;
-  solver->gradient_square = hc_setup_rest_lattice_gradient(ratio) / pow(h, 8.0);
+  const double h2 = h * h, h4 = h2 * h2;
+  solver->gradient_square = hc_setup_rest_lattice_gradient(ratio) / (h4 * h4);
   solver->shepard = scene->solver.density_correction == HC_CORRECTION_SHEPARD;
   solver->friction = scene->boundary.friction;
   solver->elasticity = scene->boundary.elasticity;

@@ -120,8 +120,8 @@ hc_step_report hc_simulation_start_report(const hc_scene *scene, double v2_max) 
 /* Gives the fields that steps derive a meaning in the first snapshot too. */
 static void fill_derived(hc_simulation *simulation) {
   hc_particles *fluid = &simulation->world.fluid;
-  simulation->solver->densities(&simulation->world, &simulation->solver_settings);
   memset(fluid->pressure, 0, (size_t)fluid->own * sizeof *fluid->pressure);
+  simulation->solver->densities(&simulation->world, &simulation->solver_settings);
   memset(fluid->acceleration, 0, 3 * (size_t)fluid->own * sizeof *fluid->acceleration);
 }
 

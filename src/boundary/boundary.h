@@ -11,7 +11,6 @@ typedef struct hc_collision {
   const hc_sweeps *sweeps;
   const hc_sweep *sweep;
   const double *unit; /* metres per unit along each axis */
-  float reach;        /* m, r0: nearer to a sample a particle penetrates the wall */
   double friction,
       elasticity;        /* share of the tangential velocity that stays; of the normal one that returns */
   double dt;             /* s */

@@ -302,9 +302,9 @@ static void check_wall(hc_scene *scene, int index, const hc_given *given, hc_com
   check_surface(given, &wall->mesh, &wall->revolution, complaints);
   const bool sheet = (wall->form == HC_FORM_MESH && !wall->mesh.closed) ||
                      (wall->form == HC_FORM_REVOLUTION && !wall->revolution.closed);
-  if (sheet && is_given(given, "inside"))
+  if (sheet && is_given(given, "inside") && wall->inside != HC_INSIDE_FLUID)
     hc_complaints_add(complaints, hc_given_place_of(given, "inside"),
-                      "%sinside is a key of closed surfaces, and this one is not closed", given->prefix);
+                      "%sinside must not be solid: the surface is not closed", given->prefix);
   check_open(wall, given, complaints);
   normalize(wall, given, complaints);
   hc_source_rules_motion(wall, given, complaints);

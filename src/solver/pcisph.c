@@ -6,8 +6,8 @@
  * and the densities there raise the pressures, three times or until the errors are small. Pressures start at
  * zero in every step. Densities and errors are fractions of the rest density; pressures divided by it have
  * the unit m2/s2. Neighbours stay those of the step's beginning, distances are those of the prediction, in
- * the kernel's gradient too. The errors reported are those of the last prediction, before the last
- * correction, as in the paper. */
+ * the kernel's gradient too (but that of walls which mirror the pressure, akinci2012). The errors reported
+ * are those of the last prediction, before the last correction, as in the paper. */
 #include "solver.h"
 
 #include "base/memory.h"

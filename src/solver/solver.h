@@ -74,7 +74,8 @@ void hc_accelerate(hc_world *world, const hc_solver_settings *settings, const fl
                    int32_t begin, int32_t end);
 
 /* The largest acceleration of gravity, those changes and `push` (m/s, three a particle; may be null) among
- * own particles, m/s2. XSPH is left out: it smooths velocities, it is not a force. Local. */
+ * own particles, m/s2. XSPH is left out unless surface tension acts: it smooths velocities, it is not a
+ * force. Local. */
 double hc_largest_force(const hc_world *world, const hc_solver_settings *settings, double dt,
                         const float *change, const float *push);
 

@@ -146,6 +146,7 @@ static bool is_blocked(const release *r, const int64_t x[3], double clearance) {
                  9 * ((next[2] + HC_BRICK_EDGE) / HC_BRICK_EDGE)];
     if (found < 0) continue;
     const int there = hc_cell_in_brick(next[0] & 3, next[1] & 3, next[2] & 3);
+    if (r->cells->count[found][there] == 0) continue;
     const int32_t begin = r->cells->begin[found][there], end = begin + r->cells->count[found][there];
     for (int32_t k = begin; k < end; k++)
       if (is_near(r, k, x, clearance)) return true;

@@ -62,8 +62,11 @@ HC_INLINE void pair_cohesion(vector_sums *sum, int part, const viscous_self *own
 /* How walls take part: not at all, as particles, or holding the fluid at the wetted surface. */
 typedef enum wall_part { NO_WALLS, AS_PARTICLES, NO_SLIP } wall_part;
 
-HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls_are, float weight,
-                       float *change, int32_t begin, int32_t end) {
+/* Whether a sweep's changes take the place of what is there or come on top. */
+typedef enum change_mode { SET_CHANGE, ADD_CHANGE } change_mode;
+
+HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls_are, change_mode mode,
+                       float weight, float *change, int32_t begin, int32_t end) {
   const hc_particles *fluid = sweep->fluid;
   const hc_float volume = hc_set(sweep->volume);
   if (sweep->walls_add != HC_WALLS_MIRRORED) walls_are = NO_WALLS; /* no volumes; contacts have friction */
@@ -107,29 +110,32 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
     add_up_vectors(&changes, count);
     for (int32_t k = 0; k < count; k++) {
       float *to = &change[3 * (size_t)(first + k)];
-      to[0] = weight * changes.x.total[k];
-      to[1] = weight * changes.y.total[k];
-      to[2] = weight * changes.z.total[k];
+      const float sum[3] = {changes.x.total[k], changes.y.total[k], changes.z.total[k]};
+      for (int axis = 0; axis < 3; axis++)
+        to[axis] = mode == ADD_CHANGE ? to[axis] + weight * sum[axis] : weight * sum[axis];
     }
   }
 }
 
 void HC_ISA_SYMBOL(hc_xsph)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end) {
-  viscous(sweep, pair_xsph, NO_WALLS, -0.5f * weight * sweep->kernel, change, begin, end);
+  viscous(sweep, pair_xsph, NO_WALLS, SET_CHANGE, -0.5f * weight * sweep->kernel, change, begin, end);
 }
 
 void HC_ISA_SYMBOL(hc_laminar)(const hc_sweep *sweep, float weight, float *change, int32_t begin,
                                int32_t end) {
-  viscous(sweep, pair_laminar, NO_SLIP, 2.0f * weight * sweep->gradient / sweep->support, change, begin, end);
+  viscous(sweep, pair_laminar, NO_SLIP, SET_CHANGE, 2.0f * weight * sweep->gradient / sweep->support, change,
+          begin, end);
 }
 
 void HC_ISA_SYMBOL(hc_artificial)(const hc_sweep *sweep, float weight, float *change, int32_t begin,
                                   int32_t end) {
-  viscous(sweep, pair_artificial, AS_PARTICLES, weight * sweep->gradient / sweep->support, change, begin,
-          end);
+  viscous(sweep, pair_artificial, AS_PARTICLES, SET_CHANGE, weight * sweep->gradient / sweep->support, change,
+          begin, end);
 }
 
 void HC_ISA_SYMBOL(hc_cohesion)(const hc_sweep *sweep, float weight, float *change, int32_t begin,
                                 int32_t end) {
-  viscous(sweep, pair_cohesion, NO_WALLS, -weight * sweep->kernel * sweep->support, change, begin, end);
+  const float scale =
+      -weight * sweep->kernel * sweep->support / sweep->volume; /* pairs are weighed with it */
+  viscous(sweep, pair_cohesion, NO_WALLS, ADD_CHANGE, scale, change, begin, end);
 }

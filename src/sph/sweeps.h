@@ -116,7 +116,7 @@ typedef struct hc_sweeps {
    * viscosity (Monaghan 1992) at rest density; weight = alpha h c dt. */
   void (*artificial)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
 
-  /* change_i = -weight sum W (x_i - x_j) over fluid neighbours: surface tension (Becker and Teschner 2007);
+  /* change_i += -weight sum W (x_i - x_j) over fluid neighbours: surface tension (Becker and Teschner 2007);
    * weight = kappa dt. */
   void (*cohesion)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
 

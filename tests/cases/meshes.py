@@ -113,8 +113,8 @@ BROKEN = {
     "a long path": (scene("water.obj", 600 * "w"), files(), "mesh.file must be at most 511 bytes long"),
     "closed of a block": (scene("water.obj", "water.obj, closed: false"), files(), "unknown key 'fluid.blocks[0].mesh.closed'"),
     "closed: a word": (scene("tank.stl", "tank.stl, closed: maybe"), files(), "must be true or false, not 'maybe'"),
-    "inside of a sheet": (scene("tank.stl}", "tank.stl, closed: false}, inside: fluid"), files(),
-                          "inside is a key of closed surfaces"),
+    "inside of a sheet": (scene("tank.stl}", "tank.stl, closed: false}, inside: solid"), files(),
+                          "inside must not be solid: the surface is not closed"),
     "inside of nothing": (scene("tank.stl}", "tank.stl}, inside: air"), files(), "one of fluid, solid"),
     "no profile": (solid("revolution: {base: [0, 0, 0]}"), files(), "missing required key 'boundary.walls[1].revolution.profile'"),
     "a profile of numbers": (profile("[0, 1, 2]"), files(), "revolution.profile[0] must be a pair of numbers, not '0'"),
@@ -214,6 +214,11 @@ def restarted(case, _):
         c.expect("mesh.checksum: was" in told, f"nothing tells of the mesh that changed\n{told}")
         (folder / "elsewhere/water.obj").write_bytes(files()["water.obj"])
         case.call(["check", folder / "parts/scene.yaml"])
+        sheet = "boundary: {walls: [{revolution: {profile: [[0, 0], [0.5, 0]], closed: false}}]}"
+        (folder / "sheet.yaml").write_text(f"particle_spacing: 0.1\nend_time: 0.01\n{sheet}\nfluid: "
+                                           "{blocks: [{box: {min: [-0.2, -0.2, 0], max: [0.2, 0.2, 0.2]}}]}\n")
+        case.call(["run", folder / "sheet.yaml", "-o", folder / "sheet", "-q"])
+        case.call(["run", folder / "sheet.yaml", "-o", folder / "sheet", "-q", "--restart"])
     return "a run goes on to the same bits where the scene has moved, and refuses a mesh that has changed"
 
 

@@ -36,7 +36,7 @@ static void add_term(scaled_vec *sum, double factor, vec a) {
 typedef struct expected {
   double relative_density, wall_density, inverse_alpha, inverse_alpha_scale;
   scaled rate;
-  scaled_vec wall_gradient, pressure, xsph, laminar, artificial;
+  scaled_vec wall_gradient, pressure, xsph, laminar, artificial, cohesion;
 } expected;
 
 static double relative_density(const setting *s, int32_t i) {
@@ -72,6 +72,7 @@ static expected expect(const setting *s, int32_t i) {
     e.pressure.scale += VOLUME * (fabs(ki) + fabs(kj)) * norm(g);
     add_term(&e.xsph, -VOLUME * (1 / densities[i] + 1 / densities[j]) / 2 * kernel(r), v);
     add_term(&e.laminar, VOLUME * 2 * dot(x, g) / soft, v);
+    add_term(&e.cohesion, -kernel(r), x);
     add_term(&e.artificial, VOLUME * fmin(0, dot(v, x)) / soft, g);
     e.artificial.scale += VOLUME * norm(v) * r / soft * norm(g);
   }
@@ -115,7 +116,7 @@ typedef struct found {
       wall_gradient[MOST][3], kappa[2][MOST];
   hc_sum total[2];
   float max[2];
-  float xsph[MOST][3], laminar[MOST][3], artificial[MOST][3];
+  float xsph[MOST][3], laminar[MOST][3], artificial[MOST][3], tense[MOST][3]; /* tense: cohesion on xsph */
   double velocity[MOST][3];
   float moved[MOST][3], multiplier[MOST];
 } found;
@@ -123,7 +124,7 @@ typedef struct found {
 static const hc_error_rule rules[2] = {
     {.of_density = 1.0f, .of_rate = 0.002f, .min_neighbors = 0, .signed_error = true, .relaxation = 0.5f},
     {.of_density = 0.0f, .of_rate = 1.0f, .min_neighbors = 25, .signed_error = false, .relaxation = 1.0f}};
-static const float XSPH = 0.05f, LAMINAR = 3e-5f, ARTIFICIAL = 2e-4f, PRESSURE = 250.0f;
+static const float XSPH = 0.05f, LAMINAR = 3e-5f, ARTIFICIAL = 2e-4f, PRESSURE = 250.0f, COHESION = 1e-4f;
 
 /* Runs every sweep over all particles, in the ranges between the cuts. */
 static void run_all(setting *s, hc_isa isa, const int32_t *cuts, int ranges, found *f) {
@@ -137,6 +138,8 @@ static void run_all(setting *s, hc_isa isa, const int32_t *cuts, int ranges, fou
   for (int r = 0; r < ranges; r++) {
     sweeps->xsph(&s->sweep, XSPH, &f->xsph[0][0], cuts[r], cuts[r + 1]);
     sweeps->laminar(&s->sweep, LAMINAR, &f->laminar[0][0], cuts[r], cuts[r + 1]);
+    sweeps->xsph(&s->sweep, XSPH, &f->tense[0][0], cuts[r], cuts[r + 1]);
+    sweeps->cohesion(&s->sweep, COHESION, &f->tense[0][0], cuts[r], cuts[r + 1]);
     sweeps->artificial(&s->sweep, ARTIFICIAL, &f->artificial[0][0], cuts[r], cuts[r + 1]);
   }
   for (int rule = 0; rule < 2; rule++) {
@@ -200,6 +203,10 @@ static void check_found(const setting *s, const found *f, const expected *all, c
       ck_assert(e->inverse_alpha < 2e-5 / (H * H));
     ck_assert_msg(near_vec(f->xsph[i], XSPH, &e->xsph, 0), "%s: xsph", isa);
     ck_assert_msg(near_vec(f->laminar[i], LAMINAR, &e->laminar, 0), "%s: laminar", isa);
+    const float added[3] = {f->tense[i][0] - f->xsph[i][0], f->tense[i][1] - f->xsph[i][1],
+                            f->tense[i][2] - f->xsph[i][2]};
+    const double rounding = TOLERANCE * XSPH * e->xsph.scale;
+    ck_assert_msg(near_vec(added, COHESION, &e->cohesion, rounding), "%s: cohesion", isa);
     ck_assert_msg(near_vec(f->artificial[i], ARTIFICIAL, &e->artificial, 0), "%s: artificial", isa);
     for (int rule = 0; rule < 2; rule++) {
       const scaled error = expected_error(s, e, &rules[rule], i);
