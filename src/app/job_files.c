@@ -79,9 +79,12 @@ void hc_job_log_start(hc_job *job) {
                 then, now);
   if (job->changed && *job->changed) hc_log_info(&job->log, "changed since then: %s", job->changed);
   static const char *const viscosities[] = {"none", "xsph", "artificial", "laminar"};
-  hc_log_info(&job->log, "solver %s, boundary %s with volume factor %.6g, viscosity %s %g",
-              simulation->solver->name, world->boundary_ops->name, world->volume_factor,
-              viscosities[job->scene->fluid.viscosity.model], job->scene->fluid.viscosity.coefficient);
+  char factor[48] = "";
+  if (world->boundary_ops->walls == HC_WALLS_MIRRORED)
+    snprintf(factor, sizeof factor, " with volume factor %.6g", world->volume_factor);
+  hc_log_info(&job->log, "solver %s, boundary %s%s, viscosity %s %g", simulation->solver->name,
+              world->boundary_ops->name, factor, viscosities[job->scene->fluid.viscosity.model],
+              job->scene->fluid.viscosity.coefficient);
   hc_log_info(&job->log, "particles: %lld fluid of %.9g kg each (mass factor %g), %lld boundary",
               (long long)world->fluid_total, world->mass, job->scene->fluid.mass_factor,
               (long long)world->boundary_total);
