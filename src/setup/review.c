@@ -365,6 +365,30 @@ static bool review_flood(const review *r, int number, const hc_emitter *emitter,
   return false;
 }
 
+/* Two openings that would let particles in on top of each other: what comes in within one step is judged by
+ * what is there before. Openings that are never open together may share a place. */
+static void review_openings(const review *r, const hc_emitters *emitters, int a, int b) {
+  const hc_emitter *one = &emitters->emitters[a], *other = &emitters->emitters[b];
+  if (one->stop <= other->start || other->stop <= one->start) return;
+  const double clearance = fmax(one->clearance, other->clearance);
+  for (int64_t k = 0; k < one->sample_count; k++) {
+    for (int64_t l = 0; l < other->sample_count; l++) {
+      double x[3], y[3], square = 0.0;
+      hc_emitter_point(one, k, 0.0, x);
+      hc_emitter_point(other, l, 0.0, y);
+      for (int axis = 0; axis < 3; axis++) square += (x[axis] - y[axis]) * (x[axis] - y[axis]);
+      if (square >= clearance * clearance) continue;
+      hc_findings_error(
+          r->findings, path_of("fluid.emitters", b, "").text,
+          "%s must keep its clearance, %.6g m, from %s: particles would come in on top of each other at "
+          "(%.6g, %.6g, %.6g) m",
+          hc_prescribed_emitter_name(b).text, clearance, hc_prescribed_emitter_name(a).text, x[0], x[1],
+          x[2]);
+      return;
+    }
+  }
+}
+
 static void review_emitter(const review *r, int number, const hc_emitter *emitter) {
   for (int w = 0; w < r->wall_count; w++)
     if (review_opening(r, number, emitter, &r->walls[w])) break;
@@ -378,7 +402,10 @@ static void review_emitters(const review *r) {
   if (hc_prescribed_emitters_make(r->scene, &r->frame, &emitters, &error) != HC_OK)
     hc_findings_error(r->findings, "fluid.emitters", "%s", error.text);
   else
-    for (int k = 0; k < emitters.count; k++) review_emitter(r, k, &emitters.emitters[k]);
+    for (int k = 0; k < emitters.count; k++) {
+      review_emitter(r, k, &emitters.emitters[k]);
+      for (int earlier = 0; earlier < k; earlier++) review_openings(r, &emitters, earlier, k);
+    }
   hc_emitters_free(&emitters);
 }
 

@@ -250,6 +250,8 @@ SCENES = {
     "a disc of no size": (emitting(f"{DISC.replace('radius: 1', 'radius: 0')}, speed: 1"), "disc.radius must be > 0"),
     "a disc for less than a particle": (emitting(f"{DISC.replace('radius: 1', 'radius: 0.05')}, speed: 1"),
                                         "the opening must have room for a particle, at least 0.141421 m across"),
+    "two openings in one place": (emitting(DISC + ", speed: 1}, {" + DISC.replace("[9, 9, 9]", "[9, 9, 9.05]") + ", speed: 1"),
+                                  "fluid.emitters[1] must keep its clearance, 0.08 m, from fluid.emitters[0]"),
     "a disc as large as a world": (emitting(f"{DISC.replace('radius: 1', 'radius: 1e6')}, speed: 1"), "at most 2^24 particles"),
     "a disc beyond the world": (emitting(f"{DISC.replace('[9,', '[1e12,')}, speed: 1"), "must lie within 2^31 support radii"),
     "an emitter beyond the limits": (emitting(f"{DISC}, speed: 1") + "domain: {limits: {min: [-1, -1, -1], max: [5, 5, 5]}}\n",
