@@ -114,16 +114,18 @@ def stops(case, _):
     launch(case, scene, output, 3, ["--restart"])
     expect_same_run(case, whole, output)
 
-    output = case.folder / "out_of_time"
     alone = json.loads((whole / "timings.json").read_text(encoding="utf-8"))["wall_seconds"]
-    limit = f"{1.1 + 0.45 * alone:.2f}"  # a second is kept for the end
-    sessions = 1
-    while subprocess.run([*case.mpiexec, "-n", "2", case.halocline, "run", str(scene), "-o", str(output), "--restart",
-                          "--quiet", "--walltime", limit], env={**MPI_ENVIRONMENT, **os.environ}, check=False,
-                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                         timeout=60).returncode == 75:
-        sessions += 1
-        expect(sessions < 400, "the run does not get on")
+    for share in (0.45, 0.2, 0.05):  # the machine may be less busy than it was
+        output, sessions = case.folder / f"out_of_time_{share}", 1
+        limit = f"{1.1 + share * alone:.2f}"  # a second is kept for the end
+        while subprocess.run([*case.mpiexec, "-n", "2", case.halocline, "run", str(scene), "-o", str(output), "--restart",
+                              "--quiet", "--walltime", limit], env={**MPI_ENVIRONMENT, **os.environ}, check=False,
+                             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                             timeout=60).returncode == 75:
+            sessions += 1
+            expect(sessions < 400, "the run does not get on")
+        if sessions > 1:
+            break
     expect(sessions > 1, "--walltime never stopped the run")
     expect_same_run(case, whole, output)
     return f"three signals and {sessions} sessions of --walltime: exit code 75, then the same bytes"
