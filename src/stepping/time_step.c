@@ -22,9 +22,12 @@ double hc_time_step_viscous_bound(const hc_step_settings *settings) {
 
 double hc_time_step_to_end(const hc_step_settings *settings, double time, double dt, hc_step_bound *bound) {
   /* The last step ends the run on time; a sliver that rounding would leave behind is taken along. A much
-   * shorter last step would turn what density error is left into velocity, so the last two share the time. */
+   * shorter last step would turn what density error is left into velocity, so the last two share the time.
+   * An adaptive step follows from the one before: where it would shrink in the last of the two, it does not.
+   */
   const double left = settings->end_time - time;
-  if (dt * (1.0 + 1e-9) >= left) {
+  const double slack = settings->control == HC_STEP_ADAPTIVE ? 2.0 * settings->adaptive.change : 1e-9;
+  if (dt * (1.0 + slack) >= left) {
     *bound = HC_BOUND_END;
     return left;
   }

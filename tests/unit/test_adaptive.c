@@ -116,6 +116,26 @@ START_TEST(the_largest_and_the_viscous_step_hold) {
 }
 END_TEST
 
+/* The last two steps share the time, also where they shrink: halving what is left again and again would never
+ * end. */
+START_TEST(shrinking_steps_reach_the_end) {
+  hc_step_settings settings = usual();
+  settings.end_time = 1.0;
+  hc_step_report report = calm();
+  report.density_error_avg = 0.02;
+  double time = 0.9985, dt = DT;
+  hc_step_bound bound = HC_BOUND_SIZE;
+  int steps = 0;
+  for (; bound != HC_BOUND_END && steps < 10; steps++) {
+    dt = hc_time_step_next(&settings, time, dt, &report, &bound);
+    time += dt;
+    ck_assert(dt > 0.5 * DT);
+  }
+  ck_assert_int_eq(steps, 2);
+  ck_assert(fabs(time - 1.0) < 1e-12);
+}
+END_TEST
+
 START_TEST(the_first_step_heeds_speed_and_depth) {
   hc_step_settings settings = usual();
   hc_step_report report = {.v_max = 0, .force_max = 9.81};
@@ -242,6 +262,7 @@ int main(void) {
   tcase_add_test(cases, each_criterion_holds_growth_back_or_shrinks);
   tcase_add_test(cases, one_criterion_is_enough_to_shrink);
   tcase_add_test(cases, the_largest_and_the_viscous_step_hold);
+  tcase_add_test(cases, shrinking_steps_reach_the_end);
   tcase_add_test(cases, the_first_step_heeds_speed_and_depth);
   tcase_add_test(cases, shocks_are_found);
   tcase_add_test(cases, a_replay_begins_with_a_shorter_step);
