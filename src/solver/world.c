@@ -3,7 +3,6 @@
 #include "base/memory.h"
 #include "particles/ids.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *settings) {
@@ -46,7 +45,7 @@ void hc_world_free(hc_world *world) {
   hc_neighbors_free(&world->list);
   hc_neighbors_free(&world->walls);
   hc_neighbors_free(&world->wetted);
-  free(world->contacts);
+  hc_free(world->contacts);
   hc_neighbor_search_free(&world->search);
   hc_cells_free(&world->cells);
   hc_cells_free(&world->boundary_cells);

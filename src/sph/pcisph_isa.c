@@ -70,8 +70,8 @@ HC_INLINE void sum_planes(const hc_sweep *sweep, bool plane, float steepness, in
  * radii. */
 static float density_at(const float *weights, float distance) {
   const float at = (distance > 0.0f ? distance : 0.0f) * (float)HC_WALL_WEIGHTS;
-  const int step = (int)at;
   if (!(at < (float)HC_WALL_WEIGHTS)) return 0.0f;
+  const int step = (int)at;
   return weights[step] + (at - (float)step) * (weights[step + 1] - weights[step]);
 }
 

@@ -26,7 +26,8 @@ double hc_time_step_to_end(const hc_step_settings *settings, double time, double
    * An adaptive step follows from the one before: where it would shrink in the last of the two, it does not.
    */
   const double left = settings->end_time - time;
-  const double slack = settings->control == HC_STEP_ADAPTIVE ? 2.0 * settings->adaptive.change : 1e-9;
+  const bool adaptive = settings->control == HC_STEP_ADAPTIVE && left <= settings->max;
+  const double slack = adaptive ? 2.0 * settings->adaptive.change : 1e-9;
   if (dt * (1.0 + slack) >= left) {
     *bound = HC_BOUND_END;
     return left;
