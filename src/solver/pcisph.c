@@ -110,16 +110,17 @@ static void start(pcisph *step) {
   for (int32_t b = 0; b < boundary->own + boundary->ghosts; b++) boundary->place[b].scalar = 0.0f;
 }
 
-/* Walls that move are met where they will be. */
-static void predict_walls(const pcisph *step) {
+/* Shows walls that move where they will be, or with `way` -1 again where they are. */
+static void predict_walls(const pcisph *step, int way) {
   hc_world *world = step->world;
   hc_particles *boundary = &world->boundary;
   if (!world->sweep.walls_move) return;
   for (int32_t b = 0; b < boundary->own + boundary->ghosts; b++)
     for (int axis = 0; axis < 3; axis++)
-      boundary->place[b].x[axis] = (int32_t)((uint32_t)boundary->place[b].x[axis] +
-                                             (uint32_t)(int32_t)llrint((double)boundary->motion[b].v[axis] *
-                                                                       step->dt / world->frame.unit[axis]));
+      boundary->place[b].x[axis] =
+          (int32_t)((uint32_t)boundary->place[b].x[axis] +
+                    (uint32_t)(way * (int32_t)llrint((double)boundary->motion[b].v[axis] * step->dt /
+                                                     world->frame.unit[axis])));
   world->walls_moved = true; /* the next update puts them right */
 }
 
@@ -171,7 +172,8 @@ static hc_move_to finish(pcisph *step) {
     predict_places(step, false, 0, fluid->own);
     return HC_MOVE_TO_PLACE;
   }
-  for (int32_t i = 0; i < fluid->own; i++) /* where the forces on walls are measured */
+  predict_walls(step, -1); /* forces on these walls are measured where all stood as the step began */
+  for (int32_t i = 0; i < fluid->own; i++)
     for (size_t axis = 0; axis < 3; axis++)
       fluid->place[i].x[axis] = (int32_t)(uint32_t)(uint64_t)fluid->position[3 * (size_t)i + axis];
   return HC_MOVE_BY_VELOCITY;
@@ -205,7 +207,7 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
   find_densities(&step);
   start(&step);
   const float *change = hc_find_forces(world, settings, dt);
-  predict_walls(&step);
+  predict_walls(&step, 1);
   for (size_t k = 0; k < 3 * (size_t)world->fluid.own; k++)
     world->fluid.velocity[k] += (double)change[k] + dt * settings->gravity[k % 3];
 

@@ -69,7 +69,8 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
                        float weight, float *change, int32_t begin, int32_t end) {
   const hc_particles *fluid = sweep->fluid;
   const hc_float volume = hc_set(sweep->volume);
-  if (sweep->walls_add != HC_WALLS_MIRRORED) walls_are = NO_WALLS; /* no volumes; contacts have friction */
+  const bool walls_take_part =
+      walls_are != NO_WALLS && sweep->walls_add == HC_WALLS_MIRRORED; /* else no volumes */
   block_vectors changes;
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
@@ -77,7 +78,8 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
       const int32_t i = first + k;
       const self own = make_self(sweep, &fluid->place[i]);
       const viscous_self state = {spread_velocity(&fluid->motion[i]), hc_set(fluid->motion[i].scalar),
-                                  wall_normal(&fluid->wall_gradient[3 * (size_t)i])};
+                                  walls_take_part ? wall_normal(&fluid->wall_gradient[3 * (size_t)i])
+                                                  : (vector){hc_set(0.0f), hc_set(0.0f), hc_set(0.0f)}};
       vector_sums sum = no_sums();
       const row row = row_of(sweep->list, i);
       for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
@@ -91,7 +93,7 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
         }
       }
       const struct row walls = row_of(sweep->walls, i);
-      for (int32_t pass = 0; walls_are != NO_WALLS && pass < walls.entries; pass += 2 * HC_GROUP) {
+      for (int32_t pass = 0; walls_take_part && pass < walls.entries; pass += 2 * HC_GROUP) {
         for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < walls.entries; part++) {
           const int32_t at = pass + part * HC_GROUP;
           const pair p = load_pair(&own, sweep->boundary->place, walls.offset + at);

@@ -29,10 +29,10 @@ HC_INLINE void no_planes(block_planes *planes) {
   memset(planes->normal.z.total, 0, sizeof planes->normal.z.total);
 }
 
-/* Sums w = max(0, 1 - q * steepness), w n, and w times the height over the sample (`plane`) or w (1 - q *
- * steepness). */
-HC_INLINE void sum_planes(const hc_sweep *sweep, bool plane, float steepness, int32_t first, int32_t count,
-                          block_planes *planes) {
+/* Sums w = max(0, 1 - q * steepness), w times the samples' vectors (normals or velocities), and w times the
+ * height over the sample (`plane`) or w (1 - q * steepness). */
+HC_INLINE void sum_planes(const hc_sweep *sweep, const hc_record *vectors, bool plane, float steepness,
+                          int32_t first, int32_t count, block_planes *planes) {
   if (sweep->walls->start[first] == sweep->walls->start[first + count]) {
     no_planes(planes);
     return;
@@ -48,7 +48,7 @@ HC_INLINE void sum_planes(const hc_sweep *sweep, bool plane, float steepness, in
         const int32_t at = pass + part * HC_GROUP;
         const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
         hc_float unused;
-        const vector n = load_velocity(sweep->boundary->facing, row.offset + at, &unused);
+        const vector n = load_velocity(vectors, row.offset + at, &unused);
         const hc_float over = dot_pair(&n, &p), near = hc_max(one - rate * p.q, zero);
         /* the far side of a thin wall has no say */
         const hc_float w = hc_keep(plane ? (hc_float)((hc_int)near & (over > zero)) : near, row.count - at);
@@ -94,7 +94,7 @@ HC_INLINE void sum_wall_densities(const hc_sweep *sweep, const hc_prediction *pr
     for (int32_t k = 0; k < count; k++) share[k] = sweep->kernel * sweep->volume * sums.total[k];
     break;
   case HC_WALLS_DISTANCE:
-    sum_planes(sweep, true, 1.0f, first, count, &planes);
+    sum_planes(sweep, sweep->boundary->facing, true, 1.0f, first, count, &planes);
     for (int32_t k = 0; k < count; k++)
       share[k] = planes.weight.total[k] > 0.0f
                      ? density_at(prediction->weights, planes.height.total[k] / planes.weight.total[k])
@@ -228,9 +228,9 @@ void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
     if (plane)
-      sum_planes(sweep, true, 1.0f, first, count, &planes);
+      sum_planes(sweep, sweep->boundary->facing, true, 1.0f, first, count, &planes);
     else
-      sum_planes(sweep, false, steepness, first, count, &planes);
+      sum_planes(sweep, sweep->boundary->facing, false, steepness, first, count, &planes);
     for (int32_t k = 0; k < count; k++) {
       hc_record *contact = &contacts[first + k];
       const float weight = planes.weight.total[k];
@@ -247,37 +247,16 @@ void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_
 
 void HC_ISA_SYMBOL(hc_wall_velocities)(const hc_sweep *sweep, hc_record *velocities, int32_t begin,
                                        int32_t end) {
-  const hc_float one = hc_set(1.0f), zero = hc_set(0.0f), rate = hc_set(sweep->support / sweep->reach);
-  block_sums weights;
-  block_vectors sums_of_velocities;
+  const float steepness = sweep->support / sweep->reach;
+  block_planes planes;
   for (int32_t first = begin; first < end; first += BLOCK) {
     const int32_t count = block_size(first, end);
+    sum_planes(sweep, sweep->boundary->motion, false, steepness, first, count, &planes);
     for (int32_t k = 0; k < count; k++) {
-      const self own = make_self(sweep, &sweep->fluid->place[first + k]);
-      const row row = row_of(sweep->walls, first + k);
-      sums weight = {{{0}}};
-      vector_sums sum = no_sums();
-      for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
-        for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
-          const int32_t at = pass + part * HC_GROUP;
-          const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
-          hc_float unused;
-          const vector velocity = load_velocity(sweep->boundary->motion, row.offset + at, &unused);
-          const hc_float w = hc_keep(hc_max(one - rate * p.q, zero), row.count - at);
-          weight.part[part] += w;
-          add_scaled(&sum, part, w, &velocity);
-        }
-      }
-      hc_store_lanes(weight.part, weights.lanes[k]);
-      store_vector(&sums_of_velocities, k, &sum);
-    }
-    add_up(&weights, count);
-    add_up_vectors(&sums_of_velocities, count);
-    for (int32_t k = 0; k < count; k++) {
-      const float scale = weights.total[k] > 0.0f ? 1.0f / weights.total[k] : 0.0f;
+      const float scale = planes.weight.total[k] > 0.0f ? 1.0f / planes.weight.total[k] : 0.0f;
       velocities[first + k] =
-          (hc_record){.v = {scale * sums_of_velocities.x.total[k], scale * sums_of_velocities.y.total[k],
-                            scale * sums_of_velocities.z.total[k]}};
+          (hc_record){.v = {scale * planes.normal.x.total[k], scale * planes.normal.y.total[k],
+                            scale * planes.normal.z.total[k]}};
     }
   }
 }
