@@ -173,15 +173,10 @@ void hc_world_update(hc_world *world) {
 }
 
 static bool near_fluid(const hc_cells *fluid, const int32_t adjacent[HC_ADJACENT], int cell) {
-  const int part[3] = {cell & 3, cell >> HC_BRICK_BITS & 3, cell >> (2 * HC_BRICK_BITS)};
   for (int way = 0; way < HC_ADJACENT; way++) {
-    const int next[3] = {part[0] + way % 3 - 1, part[1] + way / 3 % 3 - 1, part[2] + way / 9 - 1};
-    const int brick_way = (next[0] + HC_BRICK_EDGE) / HC_BRICK_EDGE +
-                          3 * ((next[1] + HC_BRICK_EDGE) / HC_BRICK_EDGE) +
-                          9 * ((next[2] + HC_BRICK_EDGE) / HC_BRICK_EDGE);
-    const int32_t brick = adjacent[brick_way];
-    if (brick >= 0 && fluid->count[brick][hc_cell_in_brick(next[0] & 3, next[1] & 3, next[2] & 3)] > 0)
-      return true;
+    int there;
+    const int32_t brick = hc_cells_next(adjacent, cell, way, &there);
+    if (brick >= 0 && fluid->count[brick][there] > 0) return true;
   }
   return false;
 }

@@ -138,14 +138,10 @@ static bool is_blocked(const release *r, const int64_t x[3], double clearance) {
   int32_t adjacent[HC_ADJACENT];
   const int cell = hc_cell_of(x, &brick);
   if (!hc_cells_around(r->cells, brick, adjacent)) return false;
-  const int part[3] = {cell & 3, cell >> HC_BRICK_BITS & 3, cell >> (2 * HC_BRICK_BITS)};
   for (int way = 0; way < HC_ADJACENT; way++) {
-    const int next[3] = {part[0] + way % 3 - 1, part[1] + way / 3 % 3 - 1, part[2] + way / 9 - 1};
-    const int32_t found =
-        adjacent[(next[0] + HC_BRICK_EDGE) / HC_BRICK_EDGE + 3 * ((next[1] + HC_BRICK_EDGE) / HC_BRICK_EDGE) +
-                 9 * ((next[2] + HC_BRICK_EDGE) / HC_BRICK_EDGE)];
+    int there;
+    const int32_t found = hc_cells_next(adjacent, cell, way, &there);
     if (found < 0) continue;
-    const int there = hc_cell_in_brick(next[0] & 3, next[1] & 3, next[2] & 3);
     if (r->cells->count[found][there] == 0) continue;
     const int32_t begin = r->cells->begin[found][there], end = begin + r->cells->count[found][there];
     for (int32_t k = begin; k < end; k++)

@@ -57,6 +57,17 @@ int32_t hc_cells_insert(hc_cells *cells, hc_brick brick);
  * are. */
 bool hc_cells_around(const hc_cells *cells, hc_brick brick, int32_t adjacent[HC_ADJACENT]);
 
+/* The cell that lies in direction `way` (x fastest) of cell `cell` of the brick that `adjacent` is around:
+ * its brick's index, or -1, and its number there. */
+static inline int32_t hc_cells_next(const int32_t adjacent[HC_ADJACENT], int cell, int way, int *there) {
+  const int next[3] = {(cell & 3) + way % 3 - 1, (cell >> HC_BRICK_BITS & 3) + way / 3 % 3 - 1,
+                       (cell >> (2 * HC_BRICK_BITS)) + way / 9 - 1};
+  *there = hc_cell_in_brick(next[0] & 3, next[1] & 3, next[2] & 3);
+  return adjacent[(next[0] + HC_BRICK_EDGE) / HC_BRICK_EDGE +
+                  3 * ((next[1] + HC_BRICK_EDGE) / HC_BRICK_EDGE) +
+                  9 * ((next[2] + HC_BRICK_EDGE) / HC_BRICK_EDGE)];
+}
+
 /* The sort, in two halves, between which the caller may set border bits of the occupied cells. Local.
  * Bin: forgets everything and finds each own particle's cell. Order: permutes the particles into border cells
  * first, then the others, each row-major (z, y, x), ids ascending in a cell; sets begin, count, own_cells,
