@@ -196,11 +196,15 @@ static bool by_cap(const failure *f, char *text, size_t size) {
   const int64_t failed = simulation->step + 1;
   const int64_t capped = simulation->report.density_capped ? failed : simulation->capped_at;
   if (capped == 0 || failed - capped >= RECENT) return false;
+  const hc_step_control control = simulation->step_settings.control;
   snprintf(text, size,
            "the density solver was at its cap of %d iterations in step %lld: the pressure did not converge; "
-           "lower the time step (time_step.%s) or raise solver.density_iterations.max",
+           "lower the time step (time_step.%s) or raise solver.density_iterations.max%s",
            simulation->solver_settings.density_max, (long long)capped,
-           simulation->step_settings.control == HC_STEP_CONSTANT ? "size" : "max");
+           control == HC_STEP_CONSTANT ? "size" : "max",
+           simulation->scene->solver.method == HC_SOLVER_PCISPH && control != HC_STEP_ADAPTIVE
+               ? ", or have steps that follow the forces (time_step.control: adaptive)"
+               : "");
   return true;
 }
 

@@ -100,15 +100,14 @@ static double fluid_height(const hc_scene *scene, double gravity) {
 
 static hc_adaptive_settings adaptive_settings_of(const hc_scene *scene) {
   const hc_time_adaptive *a = &scene->time_step.adaptive;
-  const double error_avg = scene->solver.density_error_avg, error_max = scene->solver.density_error_max,
-               gravity = hc_simulation_start_report(scene, 0.0).force_max;
+  const double gravity = hc_simulation_start_report(scene, 0.0).force_max;
   return (hc_adaptive_settings){
-      .error_avg = error_avg,
-      .error_max = error_max > 0.0 ? error_max : 10.0 * error_avg,
+      .error_avg = scene->solver.density_error_avg,
+      .error_max = hc_scene_density_error_max(scene),
       .change = a->change,
       .grow = {a->grow.force, a->grow.velocity, a->grow.error_max, a->grow.error_avg},
       .shrink = {a->shrink.force, a->shrink.velocity, a->shrink.error_max, a->shrink.error_avg},
-      .shock_rise = a->shock.error_rise > 0.0 ? a->shock.error_rise : 5.0 * error_avg,
+      .shock_rise = hc_scene_shock_rise(scene),
       .shock_velocity = a->shock.velocity,
       .restart_force = a->restart.force,
       .restart_velocity = a->restart.velocity,
@@ -153,8 +152,7 @@ hc_step_settings hc_settings_step(const hc_scene *scene) {
 /* What PCISPH reads besides. */
 static void choose_prediction(const hc_scene *scene, hc_solver_settings *solver) {
   const double h = scene->support_radius, ratio = scene->particle_spacing / h;
-  solver->density_error_max = scene->solver.density_error_max > 0.0 ? scene->solver.density_error_max
-                                                                    : 10.0 * scene->solver.density_error_avg;
+  solver->density_error_max = hc_scene_density_error_max(scene);
   const double h2 = h * h, h4 = h2 * h2;
   solver->gradient_square = hc_setup_rest_lattice_gradient(ratio) / (h4 * h4);
   solver->shepard = scene->solver.density_correction == HC_CORRECTION_SHEPARD;

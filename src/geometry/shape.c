@@ -3,29 +3,14 @@
 #include "base/check.h"
 #include "base/turns.h"
 #include "surface.h"
+#include "vector.h"
 
 #include <math.h>
 #include <string.h>
 
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double product[3]) {
-  for (int k = 0; k < 3; k++) {
-    const int l = (k + 1) % 3, m = (k + 2) % 3;
-    product[k] = a[l] * b[m] - a[m] * b[l];
-  }
-}
-
 static void normalize(const double v[3], double unit[3]) {
-  const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
-  HC_CHECK(largest > 0 && isfinite(largest), "a direction needs a length, got [%g, %g, %g]", v[0], v[1],
-           v[2]);
-  /* Scaled first: squares of extreme components would over- or underflow. */
-  for (int k = 0; k < 3; k++) unit[k] = v[k] / largest;
-  const double length = sqrt(dot(unit, unit));
-  for (int k = 0; k < 3; k++) unit[k] /= length;
+  hc_vector_direction(v, unit);
+  HC_CHECK(hc_vector_dot(unit, unit) > 0.5, "a direction needs a length, got [%g, %g, %g]", v[0], v[1], v[2]);
 }
 
 static int longest_axis(const double v[3]) {
@@ -52,7 +37,7 @@ static void axes_about(const double normal[3], double axes[3][3]) {
   double tangent[3];
   for (int k = 0; k < 3; k++) tangent[k] = (k == next) - n[next] * n[k];
   normalize(tangent, axes[0]);
-  cross(n, axes[0], axes[1]);
+  hc_vector_cross(n, axes[0], axes[1]);
 }
 
 hc_shape hc_shape_box(const double min[3], const double max[3], const double axis[3], double turns,
@@ -70,7 +55,7 @@ hc_shape hc_shape_box(const double min[3], const double max[3], const double axi
   const double cosine = hc_turns_cosine(turns), sine = hc_turns_sine(turns);
   for (int t = 0; t < 3; t++) {
     double turned[3];
-    cross(u, shape.axes[t], turned);
+    hc_vector_cross(u, shape.axes[t], turned);
     for (int a = 0; a < 3; a++) turned[a] = cosine * (a == t) + sine * turned[a] + (1 - cosine) * u[t] * u[a];
     memcpy(shape.axes[t], turned, sizeof turned);
   }
@@ -152,7 +137,7 @@ hc_shape hc_shape_layer(const hc_shape *shape, double spacing, bool solid, int l
 static int components_of(const hc_shape *shape, const double x[3], double p[3]) {
   double from_centre[3], q[3];
   for (int a = 0; a < 3; a++) from_centre[a] = x[a] - shape->centre[a];
-  for (int t = 0; t < 3; t++) q[t] = dot(shape->axes[t], from_centre);
+  for (int t = 0; t < 3; t++) q[t] = hc_vector_dot(shape->axes[t], from_centre);
   double square = 0;
   for (int t = 0; t < shape->round; t++) square += q[t] * q[t];
   p[0] = shape->round == 1 ? q[0] : sqrt(square);
@@ -169,7 +154,7 @@ static void face_direction(const hc_shape *shape, int component, int upper, cons
   }
   double from_centre[3];
   for (int a = 0; a < 3; a++) from_centre[a] = x[a] - shape->centre[a];
-  const double along = dot(shape->axes[2], from_centre);
+  const double along = hc_vector_dot(shape->axes[2], from_centre);
   for (int a = 0; a < 3; a++)
     direction[a] = from_centre[a] - (shape->round == 2 ? along * shape->axes[2][a] : 0);
   normalize(direction, direction);
@@ -201,7 +186,7 @@ void hc_shape_sample_normal(const hc_shape *shape, double spacing, bool solid, c
       face_direction(shape, c, upper, x, direction);
       for (int a = 0; a < 3; a++) sum[a] += solid ? direction[a] : -direction[a];
     }
-  const double length = sqrt(dot(sum, sum));
+  const double length = sqrt(hc_vector_dot(sum, sum));
   for (int a = 0; a < 3; a++) normal[a] = length > 0 ? sum[a] / length : 0;
 }
 
@@ -262,7 +247,8 @@ void hc_shape_face_normal(const hc_shape *shape, int face, double normal[3]) {
 
 double hc_shape_reach(const hc_shape *shape) {
   double square = 0;
-  if (shape->surface) return sqrt(dot(shape->high, shape->high)) + 2 * shape->level; /* with mitred corners */
+  if (shape->surface)
+    return sqrt(hc_vector_dot(shape->high, shape->high)) + 2 * shape->level; /* with mitred corners */
   for (int c = 0; c < hc_shape_components(shape); c++) {
     const double most = fmax(fabs(shape->low[c]), fabs(shape->high[c]));
     square += most * most;

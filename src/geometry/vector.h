@@ -28,6 +28,14 @@ static inline void hc_vector_normalize(double a[3]) {
   for (int k = 0; k < 3; k++) a[k] = length > 0 ? a[k] / length : 0;
 }
 
+/* The direction of any vector, of unit length: scaled first, for squares of extreme components would over- or
+ * underflow. A vector of no length stays 0; `unit` may be `a`. */
+static inline void hc_vector_direction(const double a[3], double unit[3]) {
+  const double largest = fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2])));
+  for (int k = 0; k < 3; k++) unit[k] = largest > 0 ? a[k] / largest : 0;
+  hc_vector_normalize(unit);
+}
+
 /* The angle between two vectors, rad, to 1e-7: the same on every machine, which acos is not (Abramowitz and
  * Stegun 4.4.49). */
 static inline double hc_vector_angle(const double a[3], const double b[3]) {

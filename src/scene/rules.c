@@ -166,10 +166,8 @@ static void check_order(const hc_given *given, const order *order, hc_complaints
 static void check_adaptive(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
   if (is_bad(given, "time_step.control") || scene->time_step.control != HC_TIME_ADAPTIVE) return;
   const hc_time_adaptive *a = &scene->time_step.adaptive;
-  const double average = scene->solver.density_error_avg,
-               most =
-                   scene->solver.density_error_max > 0.0 ? scene->solver.density_error_max : 10.0 * average,
-               rise = a->shock.error_rise > 0.0 ? a->shock.error_rise : 5.0 * average;
+  const double average = scene->solver.density_error_avg, most = hc_scene_density_error_max(scene),
+               rise = hc_scene_shock_rise(scene);
 #define KEY(name) "time_step.adaptive." name
   const order orders[] = {
       {KEY("grow.force"), KEY("shrink.force"), a->grow.force, a->shrink.force, true},

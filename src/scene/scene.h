@@ -337,6 +337,17 @@ typedef struct hc_scene {
   } faults;
 } hc_scene;
 
+/* What a scene means by its errors: with adaptive steps 10 and 5 times the average error allowed (Ihmsen et
+ * al. 2010, section 3.3), where it does not say. */
+static inline double hc_scene_density_error_max(const hc_scene *scene) {
+  const double given = scene->solver.density_error_max;
+  return given > 0.0 ? given : 10.0 * scene->solver.density_error_avg;
+}
+static inline double hc_scene_shock_rise(const hc_scene *scene) {
+  const double given = scene->time_step.adaptive.shock.error_rise;
+  return given > 0.0 ? given : 5.0 * scene->solver.density_error_avg;
+}
+
 void hc_scene_free(hc_scene *scene);
 
 #endif

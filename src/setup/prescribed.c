@@ -1,6 +1,7 @@
 #include "prescribed.h"
 
 #include "base/memory.h"
+#include "geometry/vector.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,14 +10,6 @@
 static const double TWO_PI = 2 * 3.14159265358979323846;
 
 /* ---- motions ---- */
-
-/* To unit length; scaled first, for squares of extreme components would over- or underflow. */
-static void normalize(const double v[3], double unit[3]) {
-  const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
-  for (int a = 0; a < 3; a++) unit[a] = largest > 0.0 ? v[a] / largest : 0.0;
-  const double length = sqrt(unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2]);
-  for (int a = 0; a < 3 && length > 0.0; a++) unit[a] /= length;
-}
 
 static hc_motion motion_of(const hc_wall_motion *given, hc_motion_row *rows) {
   static const hc_motion_law laws[] = {[HC_WALL_STANDS] = HC_MOTION_STILL,
@@ -32,7 +25,7 @@ static hc_motion motion_of(const hc_wall_motion *given, hc_motion_row *rows) {
                       .rows = rows,
                       .row_count = given->type == HC_WALL_TABLE ? given->point_count : 0};
   memcpy(motion.centre, given->center, sizeof motion.centre);
-  normalize(given->axis, motion.axis);
+  hc_vector_direction(given->axis, motion.axis);
   if (motion.law == HC_MOTION_CONSTANT) {
     memcpy(motion.shift, given->velocity, sizeof motion.shift);
     motion.turns = given->angular_velocity / TWO_PI;
@@ -41,7 +34,7 @@ static hc_motion motion_of(const hc_wall_motion *given, hc_motion_row *rows) {
     const double per_speed = 1 / (TWO_PI * given->frequency);
     const double amplitude = given->speed > 0.0 ? given->speed * per_speed : given->amplitude;
     double direction[3];
-    normalize(given->direction, direction);
+    hc_vector_direction(given->direction, direction);
     for (int a = 0; a < 3; a++) motion.shift[a] = amplitude * direction[a];
     motion.turns = given->angle > 0.0 ? given->angle / 360 : given->angular_velocity * per_speed / TWO_PI;
   }

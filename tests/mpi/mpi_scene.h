@@ -1,4 +1,4 @@
-/* What the tests of whole runs share: a small block of fluid, and whole steps of it. */
+/* What the tests of whole runs share: a small block of fluid, whole steps of it, and what became of it. */
 #ifndef HC_MPI_SCENE_H
 #define HC_MPI_SCENE_H
 
@@ -50,6 +50,39 @@ static inline void add_wall(hc_scene *scene, double x, double y, double z, unsig
   scene->boundary.wall_count = 1;
   scene->boundary.contact = true;
   scene->gravity[2] = -9.81;
+}
+
+/* A run of all ranks from its scene, and steps of it; neither may fail. */
+static inline void start_on(hc_simulation *simulation, hc_comm *ranks, const hc_scene *scene) {
+  hc_error error = {.status = HC_OK, .text = ""};
+  if (hc_simulation_init(simulation, ranks, scene, &error) != HC_OK) ck_abort_msg("%s", error.text);
+}
+
+static inline void start(hc_simulation *simulation, const hc_scene *scene) {
+  start_on(simulation, &comm, scene);
+}
+
+static inline void do_steps(hc_simulation *simulation, int count) {
+  hc_error error = {.status = HC_OK, .text = ""};
+  for (int k = 0; k < count; k++)
+    if (hc_simulation_step(simulation, &error) != HC_OK) ck_abort_msg("%s", error.text); /* on all ranks */
+}
+
+static inline int64_t fluid_in(const hc_simulation *simulation) {
+  int64_t count = simulation->world.fluid.own;
+  hc_comm_sum_i64(simulation->comm, &count, 1);
+  return count;
+}
+
+/* Digests of the particles of all ranks together, and of these and all else that goes on. */
+static inline uint64_t particles_of(const hc_simulation *simulation) {
+  int64_t particles = (int64_t)hc_state_digest_particles(&simulation->state, HC_FLUID | HC_BOUNDARY);
+  hc_comm_sum_i64(simulation->comm, &particles, 1);
+  return (uint64_t)particles;
+}
+
+static inline uint64_t state_of(const hc_simulation *simulation) {
+  return particles_of(simulation) ^ hc_state_digest_items(&simulation->state);
 }
 
 #endif

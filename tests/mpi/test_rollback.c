@@ -29,27 +29,6 @@ static hc_scene dam(void) {
   return scene;
 }
 
-static void start(hc_simulation *simulation, const hc_scene *scene) {
-  hc_error error = {.status = HC_OK, .text = ""};
-  if (hc_simulation_init(simulation, &comm, scene, &error) != HC_OK) ck_abort_msg("%s", error.text);
-}
-
-static void do_step(hc_simulation *simulation) {
-  hc_error error = {.status = HC_OK, .text = ""};
-  if (hc_simulation_step(simulation, &error) != HC_OK) ck_abort_msg("%s", error.text);
-}
-
-/* The particles of all ranks together; items are known to differ by what is known of shocks. */
-static uint64_t particles_of(const hc_simulation *simulation) {
-  int64_t particles = (int64_t)hc_state_digest_particles(&simulation->state, HC_FLUID | HC_BOUNDARY);
-  hc_comm_sum_i64(&comm, &particles, 1);
-  return (uint64_t)particles;
-}
-
-static uint64_t state_of(const hc_simulation *simulation) {
-  return particles_of(simulation) ^ hc_state_digest_items(&simulation->state);
-}
-
 START_TEST(a_shock_goes_back_two_steps) {
   hc_scene scene = dam();
   scene.faults.shock_at = 12;
@@ -66,7 +45,7 @@ START_TEST(a_shock_goes_back_two_steps) {
     /* owners change in each of the two steps; the hook looks at the step as it begins */
     scene.parallel.rebalance = step % 2 ? HC_REBALANCE_METIS : HC_REBALANCE_SLABS;
     scene.parallel.rebalance_at = step;
-    do_step(&simulation);
+    do_steps(&simulation, 1);
   }
   ck_assert_int_eq(simulation.rollback.back, 2);
   ck_assert_int_eq(simulation.step, 11);
@@ -80,9 +59,9 @@ START_TEST(a_shock_goes_back_two_steps) {
   ck_assert(simulation.report.density_error_max == reports[11].density_error_max);
   const double next = simulation.rollback.guard.next;
   ck_assert(next > 0.0 && next <= 0.5 * (times[12] - times[11]) * 1.003);
-  do_step(&simulation);
+  do_steps(&simulation, 1);
   ck_assert(simulation.step == 12 && simulation.dt == next && simulation.rollback.before == 2);
-  do_step(&simulation); /* the hook strikes once */
+  do_steps(&simulation, 1); /* the hook strikes once */
   ck_assert(simulation.step == 13 && simulation.rollback.before == 0);
   ck_assert_int_eq(simulation.rollback.guard.rollbacks, 1);
   hc_simulation_free(&simulation);
@@ -100,7 +79,7 @@ START_TEST(rebalances_do_not_matter) {
     scene.parallel.rebalance_every = forced;
     hc_simulation simulation;
     start(&simulation, &scene);
-    while (simulation.step < 14) do_step(&simulation);
+    while (simulation.step < 14) do_steps(&simulation, 1);
     ck_assert_int_eq(simulation.rollback.guard.rollbacks, 3);
     ends[forced] = state_of(&simulation);
     hc_simulation_free(&simulation);
@@ -119,7 +98,7 @@ START_TEST(where_nothing_older_is_known_one_step_goes_back) {
   const uint64_t begin = particles_of(&simulation);
   double last = INFINITY;
   for (int k = 1; k <= 4; k++) {
-    do_step(&simulation);
+    do_steps(&simulation, 1);
     ck_assert(simulation.rollback.back == 1 && simulation.step == 0 && simulation.time == 0.0);
     EXPECT(particles_of(&simulation) == begin);
     const hc_shock_guard *guard = &simulation.rollback.guard;
@@ -140,7 +119,7 @@ START_TEST(the_floor_ends_it) {
   hc_simulation simulation;
   hc_error error = {.status = HC_OK, .text = ""};
   start(&simulation, &scene);
-  while (simulation.step < 3) do_step(&simulation);
+  while (simulation.step < 3) do_steps(&simulation, 1);
   scene.time_step.adaptive.restart.most = 1000;
   simulation.step_settings.adaptive.most_restarts = 1000;
   simulation.step_settings.min = simulation.dt / 100;
@@ -159,19 +138,19 @@ START_TEST(a_step_that_diverges_is_a_shock) {
   hc_simulation simulation;
   hc_error error = {.status = HC_OK, .text = ""};
   start(&simulation, &scene);
-  for (int k = 0; k < 5; k++) do_step(&simulation);
+  for (int k = 0; k < 5; k++) do_steps(&simulation, 1);
   const uint64_t before = particles_of(&simulation);
-  do_step(&simulation);
+  do_steps(&simulation, 1);
   const double dt = simulation.dt;
   scene.faults.kick_at = 6;
-  do_step(&simulation);
+  do_steps(&simulation, 1);
   ck_assert(simulation.rollback.back == 2 && simulation.step == 5);
   EXPECT(particles_of(&simulation) == before);
   ck_assert_int_eq(simulation.rollback.guard.shock.kind, HC_SHOCK_FAULT);
   ck_assert(simulation.rollback.guard.next < 0.6 * dt && simulation.rollback.guard.next > 0.4 * dt);
   scene.faults.kick_at = 0;
-  do_step(&simulation);
-  do_step(&simulation);
+  do_steps(&simulation, 1);
+  do_steps(&simulation, 1);
   ck_assert_int_eq(simulation.step, 7);
   scene.faults.nan_at = 7;
   ck_assert_int_eq(hc_simulation_step(&simulation, &error), HC_FAILED);
@@ -212,7 +191,7 @@ START_TEST(a_checkpoint_rolls_back_as_far) {
     int64_t bytes, step;
     make_folder(folder);
     start(&simulation, &scene);
-    for (int k = 0; k < calls; k++) do_step(&simulation);
+    for (int k = 0; k < calls; k++) do_steps(&simulation, 1);
     const uint64_t now = state_of(&simulation);
     const int64_t at = simulation.step;
     hc_state_copy kept = {.full = false};
@@ -230,11 +209,11 @@ START_TEST(a_checkpoint_rolls_back_as_far) {
     ck_assert(hc_simulation_prepare(&other, &comm, &scene, &error) == HC_OK);
     ck_assert_msg(hc_checkpoint_read(&comm, path, &other.state, &error) == HC_OK, "%s", error.text);
     hc_simulation_adopt(&other);
-    do_step(&other);
+    do_steps(&other, 1);
     EXPECT(state_of(&other) == now);
     for (int k = 0; k < 6; k++) {
-      do_step(&simulation);
-      do_step(&other);
+      do_steps(&simulation, 1);
+      do_steps(&other, 1);
       ck_assert_int_eq(simulation.rollback.back, other.rollback.back);
       EXPECT(state_of(&other) == state_of(&simulation));
     }

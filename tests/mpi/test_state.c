@@ -19,24 +19,6 @@ static hc_scene dam(void) {
   return scene;
 }
 
-static void start(hc_simulation *simulation, const hc_scene *scene) {
-  hc_error error = {.status = HC_OK, .text = ""};
-  if (hc_simulation_init(simulation, &comm, scene, &error) != HC_OK) ck_abort_msg("%s", error.text);
-}
-
-static void do_steps(hc_simulation *simulation, int count) {
-  hc_error error = {.status = HC_OK, .text = ""};
-  for (int k = 0; k < count; k++)
-    if (hc_simulation_step(simulation, &error) != HC_OK) ck_abort_msg("%s", error.text);
-}
-
-/* Of all ranks together. */
-static uint64_t digest_of(const hc_simulation *simulation) {
-  int64_t particles = (int64_t)hc_state_digest_particles(&simulation->state, HC_FLUID | HC_BOUNDARY);
-  hc_comm_sum_i64(&comm, &particles, 1);
-  return (uint64_t)particles ^ hc_state_digest_items(&simulation->state);
-}
-
 START_TEST(a_state_comes_back_across_a_rebalance) {
   hc_scene scene = dam();
   hc_simulation simulation;
@@ -45,23 +27,23 @@ START_TEST(a_state_comes_back_across_a_rebalance) {
   hc_state_history history = {.count = 0};
   uint64_t digests[6];
   for (int k = 0; k < 6; k++) {
-    digests[k] = digest_of(&simulation);
+    digests[k] = state_of(&simulation);
     hc_state_history_push(&history, &simulation.state, HC_FLUID);
     scene.parallel.rebalance_at = (int)simulation.step; /* every time, so that owners change in between */
     do_steps(&simulation, 1);
   }
-  const uint64_t later = digest_of(&simulation);
+  const uint64_t later = state_of(&simulation);
   for (int k = 1; k < 6; k++) ck_assert_uint_ne(digests[k], digests[k - 1]);
 
   /* the newest copy is the state before the last step; one more back, two steps ago */
   ck_assert(hc_state_history_return(&history, &simulation.state, 1));
   ck_assert_int_eq(simulation.step, 14);
-  EXPECT(digest_of(&simulation) == digests[4]);
+  EXPECT(state_of(&simulation) == digests[4]);
   scene.parallel.rebalance_at = 14;
   do_steps(&simulation, 1);
-  EXPECT(digest_of(&simulation) == digests[5]);
+  EXPECT(state_of(&simulation) == digests[5]);
   do_steps(&simulation, 1);
-  EXPECT(digest_of(&simulation) == later);
+  EXPECT(state_of(&simulation) == later);
 
   /* what was gone back to is to be remembered anew, and older ones are gone */
   ck_assert(!hc_state_history_return(&history, &simulation.state, 0));
@@ -70,7 +52,7 @@ START_TEST(a_state_comes_back_across_a_rebalance) {
   ck_assert_int_eq(simulation.step, 16);
   do_steps(&simulation, 1);
   ck_assert(hc_state_history_return(&history, &simulation.state, 0));
-  EXPECT(digest_of(&simulation) == later);
+  EXPECT(state_of(&simulation) == later);
   hc_state_history_free(&history);
   hc_simulation_free(&simulation);
 }
@@ -83,7 +65,7 @@ START_TEST(particles_that_left_come_back_too) {
   start(&simulation, &scene);
   do_steps(&simulation, 3);
   const int64_t all = simulation.world.fluid_total;
-  const uint64_t before = digest_of(&simulation);
+  const uint64_t before = state_of(&simulation);
   hc_state_history history = {.count = 0};
   hc_state_history_push(&history, &simulation.state, HC_FLUID);
   hc_particles *fluid = &simulation.world.fluid;
@@ -93,7 +75,7 @@ START_TEST(particles_that_left_come_back_too) {
   ck_assert_int_lt(simulation.world.fluid_total, all);
   ck_assert(hc_state_history_return(&history, &simulation.state, 0));
   ck_assert_int_eq(simulation.world.fluid_total, all);
-  EXPECT(digest_of(&simulation) == before);
+  EXPECT(state_of(&simulation) == before);
   do_steps(&simulation, 1);
   ck_assert_int_eq(simulation.world.fluid_total, all);
   hc_state_history_free(&history);
@@ -117,14 +99,14 @@ START_TEST(a_checkpoint_is_the_state) {
   make_folder(folder);
   start(&simulation, &scene);
   do_steps(&simulation, 12);
-  const uint64_t before = digest_of(&simulation);
+  const uint64_t before = state_of(&simulation);
   const hc_snapshot moment = hc_simulation_snapshot(&simulation);
   ck_assert_msg(hc_checkpoint_write(&comm, &moment, &simulation.state, "test", folder, 2, &bytes, &error) ==
                     HC_OK,
                 "%s", error.text);
-  EXPECT(digest_of(&simulation) == before); /* writing changes nothing */
+  EXPECT(state_of(&simulation) == before); /* writing changes nothing */
   do_steps(&simulation, 5);
-  const uint64_t after = digest_of(&simulation);
+  const uint64_t after = state_of(&simulation);
 
   ck_assert(hc_checkpoint_find(&comm, folder, INT64_MAX, path, &step, &error) == HC_OK);
   ck_assert_int_eq(step, 12);
@@ -132,9 +114,9 @@ START_TEST(a_checkpoint_is_the_state) {
   ck_assert(hc_simulation_prepare(&other, &comm, &scene, &error) == HC_OK);
   ck_assert_msg(hc_checkpoint_read(&comm, path, &other.state, &error) == HC_OK, "%s", error.text);
   hc_simulation_adopt(&other);
-  EXPECT(digest_of(&other) == before);
+  EXPECT(state_of(&other) == before);
   do_steps(&other, 5);
-  EXPECT(digest_of(&other) == after);
+  EXPECT(state_of(&other) == after);
 
   /* an item that the file does not know is an error on every rank */
   double unknown = 0.0;

@@ -30,11 +30,6 @@ static hc_scene tank(void) {
   return scene;
 }
 
-static void start(hc_simulation *simulation, hc_comm *ranks, const hc_scene *scene) {
-  hc_error error = {.status = HC_OK, .text = ""};
-  if (hc_simulation_init(simulation, ranks, scene, &error) != HC_OK) ck_abort_msg("%s", error.text);
-}
-
 /* Each particle gets a velocity of its own and moves by up to a tenth of a spacing. */
 static void disturb(hc_simulation *simulation, double speed) {
   hc_particles *fluid = &simulation->world.fluid;
@@ -48,12 +43,6 @@ static void disturb(hc_simulation *simulation, double speed) {
       fluid->velocity[3 * k + axis] += speed * a;
     }
   hc_world_update(&simulation->world);
-}
-
-static void step(hc_simulation *simulation) {
-  hc_error error = {.status = HC_OK, .text = ""};
-  if (hc_simulation_step(simulation, &error) != HC_OK)
-    ck_abort_msg("%s", error.text); /* agreed: on all ranks */
 }
 
 /* Sums of the velocities, and of their magnitudes. */
@@ -75,22 +64,16 @@ static momentum momentum_of(hc_simulation *simulation) {
                     hc_sum_value(&sums[3])};
 }
 
-static int64_t particles_in(hc_simulation *simulation) {
-  int64_t count = simulation->world.fluid.own;
-  hc_comm_sum_i64(simulation->comm, &count, 1);
-  return count;
-}
-
 START_TEST(a_closed_box_keeps_its_momentum) {
   const hc_scene scene = closed_box();
   hc_simulation simulation;
-  start(&simulation, &comm, &scene);
+  start(&simulation, &scene);
   disturb(&simulation, 0.5);
   const momentum before = momentum_of(&simulation);
   ck_assert_double_gt(before.magnitude, 100);
   int iterations = 0;
   for (int k = 0; k < 30; k++) {
-    step(&simulation);
+    do_steps(&simulation, 1);
     iterations += simulation.report.density_iterations + simulation.report.divergence_iterations;
   }
   const momentum after = momentum_of(&simulation);
@@ -99,7 +82,7 @@ START_TEST(a_closed_box_keeps_its_momentum) {
                   "momentum changes by %g of %g", after.sum[axis] - before.sum[axis], before.magnitude);
   ck_assert_double_lt(after.magnitude, 0.95 * before.magnitude); /* there was something to change */
   ck_assert_int_gt(iterations, 150);
-  ck_assert_int_eq(particles_in(&simulation), 18 * 6 * 6);
+  ck_assert_int_eq(fluid_in(&simulation), 18 * 6 * 6);
   hc_simulation_free(&simulation);
 }
 END_TEST
@@ -112,10 +95,10 @@ START_TEST(a_free_block_falls_without_pressure) {
   scene.time_step.size = 0.002;
   for (int axis = 0; axis < 3; axis++) block.velocity[axis] = 3 - 2 * axis;
   hc_simulation simulation;
-  start(&simulation, &comm, &scene);
+  start(&simulation, &scene);
   bool good = true;
   for (int k = 1; k <= 25; k++) {
-    step(&simulation);
+    do_steps(&simulation, 1);
     const hc_particles *fluid = &simulation.world.fluid;
     for (int32_t i = 0; i < fluid->own; i++) {
       good &= fluid->pressure[i] == 0 && fluid->pressure_multiplier[i] == 0 &&
@@ -126,7 +109,7 @@ START_TEST(a_free_block_falls_without_pressure) {
     }
   }
   EXPECT(good);
-  ck_assert_int_eq(particles_in(&simulation), 20 * 4 * 4);
+  ck_assert_int_eq(fluid_in(&simulation), 20 * 4 * 4);
   ck_assert_int_eq(simulation.step, 25);
   hc_simulation_free(&simulation);
 }
@@ -181,14 +164,14 @@ typedef struct outcome {
 
 static outcome run(hc_comm *ranks, const hc_scene *scene, double speed, int steps) {
   hc_simulation simulation;
-  start(&simulation, ranks, scene);
+  start_on(&simulation, ranks, scene);
   if (speed > 0) disturb(&simulation, speed);
-  for (int k = 0; k < steps; k++) step(&simulation);
+  for (int k = 0; k < steps; k++) do_steps(&simulation, 1);
   outcome result;
   memset(&result, 0, sizeof result);
   result.digest = digest_of(&simulation);
   result.steps = simulation.step;
-  result.particles = particles_in(&simulation);
+  result.particles = fluid_in(&simulation);
   result.time = simulation.time;
   result.kinetic_energy = simulation.report.kinetic_energy;
   result.potential_energy = simulation.report.potential_energy;
@@ -277,11 +260,11 @@ END_TEST
 START_TEST(a_rebalance_is_forced_and_loses_nothing) {
   const hc_scene scene = tank();
   hc_simulation simulation;
-  start(&simulation, &comm, &scene);
+  start(&simulation, &scene);
   for (int k = 0; k < 10; k++) {
-    step(&simulation);
+    do_steps(&simulation, 1);
     ck_assert(simulation.rebalanced == (k == 7));
-    ck_assert_int_eq(particles_in(&simulation), 12 * 6 * 6);
+    ck_assert_int_eq(fluid_in(&simulation), 12 * 6 * 6);
   }
   int64_t walls = simulation.world.boundary.own;
   hc_comm_sum_i64(&comm, &walls, 1);
