@@ -7,6 +7,7 @@ are those of AVX2.
 
 import shlex
 import shutil
+from pathlib import Path
 
 import case as c
 
@@ -26,7 +27,7 @@ def memcheck(case, ranks, arguments):
 
 
 def run(case, ranks, scene, settings, steps):
-    output = case.folder / f"run_{ranks}"
+    output = case.folder / f"{Path(scene).stem}_{ranks}"
     arguments = ["run", c.SOURCE / scene, "-o", output, "--quiet", "--steps", steps]
     for setting in settings:
         arguments += ["--set", setting]
@@ -55,13 +56,27 @@ def restart(case, steps):
     """A run that goes on from a checkpoint."""
     steps = steps or 4
     run(case, 2, "tests/cases/gauges.yaml", (), steps)
-    memcheck(case, 2, ["run", c.SOURCE / "tests/cases/gauges.yaml", "-o", case.folder / "run_2", "--quiet", "--restart",
+    memcheck(case, 2, ["run", c.SOURCE / "tests/cases/gauges.yaml", "-o", case.folder / "gauges_2", "--quiet", "--restart",
                        "--steps", steps + 3])
-    found = sorted((case.folder / "run_2/checkpoints").glob("ckpt_*.h5"))
+    found = sorted((case.folder / "gauges_2/checkpoints").glob("ckpt_*.h5"))
     c.expect(len(found) == 2, f"checkpoints: {found}")
     memcheck(case, 1, ["info", found[-1]])
     return "a restart on 2 ranks is clean"
 
 
+def pcisph(case, steps):
+    """A shock taken back, walls of two layers; then walls that move, openings and meshes."""
+    steps = steps or 5
+    method = ("solver.method=pcisph", "boundary.method=ihmsen2010", "time_step={control: adaptive, max: 0.02}")
+    rows = run(case, 2, "tests/cases/corner.yaml", ("particle_spacing=0.1", "faults.shock_at=3", "fluid.surface_tension={model: becker2007, coefficient: 1e-4}",
+                                                    "solver.density_correction=shepard"), steps)
+    c.expect("rollback" in (rows[0].parents[1] / "steps.csv").read_text(encoding="utf-8"), "no rollback")
+    coarse = (*method, "fluid.viscosity={model: artificial, coefficient: 0.02}")
+    opening = "{disc: {position: [0.3, 0.125, 0.45], direction: [0, 0, -1], radius: 0.04}, speed: 1.5}"
+    run(case, 1, "tests/cases/prescribed.yaml", (*coarse, f"fluid.emitters=[{opening}]"), steps)
+    run(case, 1, "scenes/meshes.yaml", coarse, 2)
+    return "runs with PCISPH are clean"
+
+
 if __name__ == "__main__":
-    c.main(__doc__, {"one_rank": one_rank, "two_ranks": two_ranks, "restart": restart})
+    c.main(__doc__, {"one_rank": one_rank, "two_ranks": two_ranks, "restart": restart, "pcisph": pcisph})
