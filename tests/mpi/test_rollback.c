@@ -138,7 +138,7 @@ START_TEST(a_step_that_diverges_is_a_shock) {
   hc_simulation simulation;
   hc_error error = {.status = HC_OK, .text = ""};
   start(&simulation, &scene);
-  for (int k = 0; k < 5; k++) do_steps(&simulation, 1);
+  do_steps(&simulation, 5);
   const uint64_t before = particles_of(&simulation);
   do_steps(&simulation, 1);
   const double dt = simulation.dt;
@@ -149,8 +149,7 @@ START_TEST(a_step_that_diverges_is_a_shock) {
   ck_assert_int_eq(simulation.rollback.guard.shock.kind, HC_SHOCK_FAULT);
   ck_assert(simulation.rollback.guard.next < 0.6 * dt && simulation.rollback.guard.next > 0.4 * dt);
   scene.faults.kick_at = 0;
-  do_steps(&simulation, 1);
-  do_steps(&simulation, 1);
+  do_steps(&simulation, 2);
   ck_assert_int_eq(simulation.step, 7);
   scene.faults.nan_at = 7;
   ck_assert_int_eq(hc_simulation_step(&simulation, &error), HC_FAILED);
@@ -191,7 +190,7 @@ START_TEST(a_checkpoint_rolls_back_as_far) {
     int64_t bytes, step;
     make_folder(folder);
     start(&simulation, &scene);
-    for (int k = 0; k < calls; k++) do_steps(&simulation, 1);
+    do_steps(&simulation, calls);
     const uint64_t now = state_of(&simulation);
     const int64_t at = simulation.step;
     hc_state_copy kept = {.full = false};

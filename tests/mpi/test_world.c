@@ -166,7 +166,7 @@ static outcome run(hc_comm *ranks, const hc_scene *scene, double speed, int step
   hc_simulation simulation;
   start_on(&simulation, ranks, scene);
   if (speed > 0) disturb(&simulation, speed);
-  for (int k = 0; k < steps; k++) do_steps(&simulation, 1);
+  do_steps(&simulation, steps);
   outcome result;
   memset(&result, 0, sizeof result);
   result.digest = digest_of(&simulation);
