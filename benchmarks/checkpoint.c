@@ -4,10 +4,10 @@
  * write the checkpoint, rank 0 the plain file. The files go to DIRECTORY/bench_checkpoint, which is removed
  * at the end. */
 #include "io/checkpoint.h"
-#include "app/simulation.h"
 #include "base/check.h"
 #include "base/memory.h"
 #include "full_tank.h"
+#include "simulation/step.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -70,9 +70,9 @@ int main(int argc, char **argv) {
     hc_comm_barrier(&comm);
     double begin = hc_seconds();
     simulation.step++; /* another name */
-    const hc_snapshot moment = hc_simulation_snapshot(&simulation);
-    HC_CHECK(hc_checkpoint_write(&comm, &moment, &simulation.state, "bench", folder, 2, &bytes, &error) ==
-                 HC_OK,
+    const hc_moment moment = hc_simulation_moment(&simulation);
+    HC_CHECK(hc_checkpoint_write(&comm, simulation.scene, &moment, &simulation.state, "bench", folder, 2,
+                                 &bytes, &error) == HC_OK,
              "%s", error.text);
     seconds[0][at] = hc_seconds() - begin;
     begin = hc_seconds();

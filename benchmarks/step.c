@@ -6,7 +6,7 @@
  * step of half a millisecond for each centimetre of spacing. Times are wall-clock medians over the steps, the
  * slowest rank counts. Usage: [mpirun -n N] bench_step [SPACING [STEPS [METHOD]]]; 0.01 m makes 259,200
  * particles */
-#include "app/simulation.h"
+#include "simulation/step.h"
 #include "base/check.h"
 #include "base/memory.h"
 

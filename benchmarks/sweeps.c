@@ -3,10 +3,10 @@
  * One process, one core. The particles are a block of a rest lattice in a tank, each moved by up to a fifth
  * of a spacing, with random velocities, so that nothing is in lattice order. Times are CPU times; the table
  * gives the least and the median of the repeats. Usage: bench_sweeps [PARTICLES [REPEATS]] */
-#include "app/simulation.h"
 #include "base/check.h"
 #include "base/memory.h"
 #include "full_tank.h"
+#include "simulation/simulation.h"
 
 #include <math.h>
 #include <stdio.h>

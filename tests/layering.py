@@ -19,23 +19,26 @@ ROOMS = {
     "base": [],
     "comm": ["base"],
     "particles": ["base"],
+    "geometry": ["base"],
+    "scene": ["base"],
     "space": ["base", "particles"],
+    "state": ["particles", "space"],
     "domain": ["base", "comm", "particles", "space"],
     "sph": ["base", "particles", "space"],
     "boundary": ["sph"],
-    "geometry": ["base"],
-    "scene": ["base"],
-    "state": ["base", "particles", "domain"],
-    "rigid": ["comm", "particles", "geometry", "state"],
-    "sources": ["geometry", "domain", "state"],
-    "solver": ["sph", "boundary", "rigid", "domain", "comm"],
+    "rigid": ["comm", "particles", "space", "geometry", "state"],
+    "world": ["boundary", "domain", "state", "rigid"],
+    "sources": ["world", "rigid", "geometry"],
+    "solver": ["world", "rigid"],
+    "gauges": ["scene", "sph", "geometry", "comm", "solver"],
     "stepping": ["solver", "state"],
-    "setup": ["scene", "geometry", "domain", "solver", "sources"],
+    "setup": ["scene", "geometry", "domain", "sources", "rigid", "solver", "stepping"],
     "window": ["setup", "domain", "state"],
+    "simulation": ["stepping", "setup", "sources", "window", "rigid", "solver", "domain", "state"],
     "io": ["state", "scene", "comm"],
-    "gauges": ["sph", "geometry", "comm", "scene"],
-    "app": ["stepping", "sources", "window", "io", "gauges"],
-    "api": "everything",
+    "job": ["simulation", "io", "gauges"],
+    "api": ["simulation", "job"],
+    "app": "everything",
 }
 
 # A library: its headers, its identifiers, the room that owns it, and the identifiers that others may write too
@@ -65,7 +68,7 @@ def closures():
         if room in path:
             sys.exit(f"layering: the table has a cycle: {' -> '.join([*path, room])}")
         if room not in done:
-            direct = [r for r in ROOMS if r != room] if ROOMS[room] == "everything" else ROOMS[room]
+            direct = [r for r in ROOMS if r not in (room, "api")] if ROOMS[room] == "everything" else ROOMS[room]
             done[room] = {room}.union(*(visit(r, [*path, room]) for r in direct))
         return done[room]
 
@@ -175,7 +178,7 @@ PLANTS = [
     ("src/scene/x.c", '#include "geometry/x.h"\n', 1),
     ("src/geometry/x.c", '#include "scene/x.h"\n', 1),
     ("src/io/x.c", '#include "solver/x.h"\n', 1),
-    ("src/gauges/x.c", '#include "domain/x.h"\n', 1),
+    ("src/gauges/x.c", '#include "setup/x.h"\n', 1),
     ("src/stepping/x.c", '#include "sph/x.h"\n#include "comm/x.h"\n', None),
     ("src/stepping/x.c", '#include "setup/x.h"\n', 1),
     ("src/solver/x.c", '#include "io/x.h"\n', 1),
@@ -183,7 +186,11 @@ PLANTS = [
     ("src/app/x.c", '#include "io/x.h"\n#include "solver/x.h"\n#include "base/x.h"\n', None),
     ("src/app/x.c", "#include <mpi.h>\n", 1),
     ("src/app/x.c", '#include "api/x.h"\n', 1),
-    ("src/api/x.c", '#include "app/x.h"\n#include "halocline/x.h"\n', None),
+    ("src/api/x.c", '#include "job/x.h"\n#include "halocline/x.h"\n', None),
+    ("src/api/x.c", '#include "app/x.h"\n', 1),
+    ("src/simulation/x.c", '#include "io/x.h"\n', 1),
+    ("src/job/x.c", '#include "io/x.h"\n#include "simulation/x.h"\n', None),
+    ("src/job/x.c", '#include "app/x.h"\n', 1),
     ("src/api/x.c", "#include <mpi.h>\n", 1),
     ("src/domain/x.c", "int f(void) {\n  return MPI_Barrier(c);\n}\n", 2),
     ("src/domain/x.c", "MPI_Comm c;\nMPI_Request *r;\n// MPI_Send\nconst char *s = \"MPI_Send\";\n", None),

@@ -1,12 +1,12 @@
 /* The public interface: a thin skin over the simulation, see include/halocline/halocline.h. */
 #include "halocline/halocline.h"
 
-#include "app/scene_input.h"
-#include "app/simulation.h"
 #include "base/memory.h"
 #include "io/run_dir.h"
 #include "io/snapshot.h"
 #include "io/text.h"
+#include "setup/scene_input.h"
+#include "simulation/step.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -160,9 +160,9 @@ hc_status hc_run_snapshot(hc_run *run, const char *directory, hc_error *error) {
   if (run->comm->rank == 0) hc_text_path(path, &problem, "%s", directory);
   if (hc_comm_agree(run->comm, &problem) != HC_OK) return hand_over(&problem, error);
   hc_comm_broadcast(run->comm, path, sizeof path, 0);
-  const hc_snapshot snapshot = hc_simulation_snapshot(&run->simulation);
+  const hc_moment moment = hc_simulation_moment(&run->simulation);
   if (hc_run_dir_open(run->comm, path, HC_RUN_DIR_RESUME, &problem) == HC_OK &&
-      hc_snapshot_write(run->comm, &snapshot, path, run->snapshots, &problem) == HC_OK)
+      hc_snapshot_write(run->comm, &run->scene, &moment, path, run->snapshots, &problem) == HC_OK)
     run->snapshots++;
   return hand_over(&problem, error);
 }

@@ -11,7 +11,7 @@
 #include "commands.h"
 #include "estimate.h"
 #include "io/text.h"
-#include "scene_input.h"
+#include "setup/scene_input.h"
 #include "setup/source.h"
 
 #include <inttypes.h>
@@ -219,7 +219,7 @@ int hc_command_check(const hc_options *options) {
   hc_warnings warnings = {0};
   hc_scene_read(&scene, options->files[0], options->overrides, options->override_count, &limits, &warnings,
                 &error);
-  hc_command_warn(&warnings, 0);
+  hc_warnings_print(&warnings, 0);
   hc_warnings_free(&warnings);
   if (error.status != HC_OK) return hc_command_fail(&error);
   if (hc_estimate_make(&scene, options->ranks, &estimate, &error) == HC_OK) {

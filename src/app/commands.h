@@ -2,7 +2,6 @@
 #ifndef HC_COMMANDS_H
 #define HC_COMMANDS_H
 
-#include "base/warnings.h"
 #include "halocline/error.h"
 #include "options.h"
 
@@ -14,9 +13,6 @@ int hc_command_keys(const hc_options *options);
 
 /* Says "halocline: error: TEXT" on stderr and returns the status as exit code. */
 int hc_command_fail(const hc_error *error);
-
-/* Says "halocline: warning: TEXT" on stderr for each, from the one with index `first` on. */
-void hc_command_warn(const hc_warnings *warnings, int first);
 
 /* Standard output, written out: a full disk must not look like success. Returns the exit code. */
 int hc_command_finish_output(void);

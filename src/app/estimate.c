@@ -3,21 +3,18 @@
 #include "base/check.h"
 #include "base/memory.h"
 #include "gauges/gauges.h"
-#include "settings.h"
+#include "io/snapshot.h"
+#include "setup/settings.h"
 #include "setup/world_frame.h"
-#include "simulation.h"
+#include "simulation/footprint.h"
+#include "simulation/simulation.h"
 
 #include <limits.h>
 #include <math.h>
 
 /* Bytes; see the head of estimate.h. */
 enum {
-  PROGRAM = 34 << 20,
   READING_MESHES = 10 << 20, /* that Assimp keeps */
-  FLUID = 170,
-  NEIGHBORS = 20, /* times the cube of the support radius in spacings */
-  WALL = 198,
-  GHOST = 80,
   WRITING = 30,
   WRITING_SLICE = 65536, /* particles */
   STEP_ROWS = 200,       /* of a step in steps.csv and load.csv */
@@ -127,9 +124,9 @@ static hc_status estimate_particles(const hc_setup_plan *plan, hc_estimate *esti
 
 static void estimate_steps(const hc_scene *scene, double v2_max, double prescribed, hc_estimate *estimate) {
   const hc_step_settings step = hc_settings_step(scene);
-  const hc_step_report start = hc_simulation_start_report(scene, fmax(v2_max, prescribed * prescribed));
+  const hc_step_report start = hc_settings_start_report(scene, fmax(v2_max, prescribed * prescribed));
   estimate->first_step =
-      hc_time_step_next(&step, 0.0, hc_simulation_settle_step(scene), &start, &estimate->bound);
+      hc_time_step_next(&step, 0.0, hc_settings_settle_step(scene), &start, &estimate->bound);
   hc_step_bound unused;
   const hc_step_report still = {.v_max = 0.0};
   const double longest = hc_time_step_next(&step, 0.0, INFINITY, &still, &unused);
@@ -157,18 +154,6 @@ static int longest_axis(const hc_estimate_set *set) {
   return longest;
 }
 
-static double fluid_bytes(const hc_scene *scene) {
-  /* to go back to, and one more while a checkpoint is written */
-  const int copies = scene->time_step.control == HC_TIME_ADAPTIVE ? HC_STATE_HISTORY + 1 : 0;
-  return FLUID + NEIGHBORS * pow(scene->support_radius / scene->particle_spacing, 3) +
-         copies * (double)hc_particles_state_bytes(HC_FLUID);
-}
-
-double hc_estimate_least_memory(const hc_scene *scene, const hc_setup_plan *plan, int64_t ranks) {
-  return PROGRAM + (fluid_bytes(scene) * (double)plan->fluid_count + WALL * (double)plan->boundary_count) /
-                       (double)ranks;
-}
-
 static bool reads_meshes(const hc_scene *scene) {
   for (int k = 0; k < scene->fluid.block_count; k++)
     if (scene->fluid.blocks[k].form == HC_FORM_MESH) return true;
@@ -190,10 +175,10 @@ static void estimate_memory(const hc_scene *scene, hc_estimate *estimate) {
     ghosts += fluid / ranks * ghost_share(scene, &estimate->fluid, axis, estimate->ranks);
   if (boundary > 0)
     ghosts += boundary / ranks * ghost_share(scene, &estimate->boundary, axis, estimate->ranks);
-  estimate->memory_program = PROGRAM + (reads_meshes(scene) ? READING_MESHES : 0);
-  estimate->memory_fluid = fluid_bytes(scene) * own_fluid;
-  estimate->memory_boundary = WALL * own_boundary;
-  estimate->memory_ghosts = GHOST * ghosts;
+  estimate->memory_program = HC_FOOTPRINT_PROGRAM + (reads_meshes(scene) ? READING_MESHES : 0);
+  estimate->memory_fluid = hc_footprint_fluid(scene) * own_fluid;
+  estimate->memory_boundary = HC_FOOTPRINT_WALL * own_boundary;
+  estimate->memory_ghosts = HC_FOOTPRINT_GHOST * ghosts;
   estimate->memory_writing = WRITING * fmin(own_fluid + own_boundary, WRITING_SLICE);
   estimate->memory = estimate->memory_program + estimate->memory_fluid + estimate->memory_boundary +
                      estimate->memory_ghosts + estimate->memory_writing;

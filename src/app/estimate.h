@@ -58,10 +58,6 @@ typedef struct hc_estimate {
       output_bytes; /* in all at the end, with one checkpoint, or as many as are kept if they come by steps */
 } hc_estimate;
 
-/* Bytes that a rank needs at least: the program, and its share of the particles of a plan. What emitters
- * bring later is not in it: a run may be stopped before. Local. */
-double hc_estimate_least_memory(const hc_scene *scene, const hc_setup_plan *plan, int64_t ranks);
-
 /* Estimates a run on so many ranks; freed with hc_estimate_free. HC_BAD_INPUT: the scene's particles cannot
  * be made, or not on so few ranks; then nothing needs freeing. Local; time grows with the particles, memory
  * does not. */

@@ -12,11 +12,6 @@ int hc_command_fail(const hc_error *error) {
   return error->status;
 }
 
-void hc_command_warn(const hc_warnings *warnings, int first) {
-  for (int k = first; k < warnings->count; k++)
-    fprintf(stderr, "halocline: warning: %s\n", warnings->text[k]);
-}
-
 int hc_command_finish_output(void) {
   if (fflush(stdout) == 0 && !ferror(stdout)) return HC_OK;
   fprintf(stderr, "halocline: error: standard output could not be written\n");

@@ -1,367 +1,36 @@
-/* halocline run: a simulation with its files. */
+/* halocline run: a scene with its files. */
 #include "base/memory.h"
+#include "base/timer.h"
 #include "commands.h"
-#include "failure.h"
-#include "io/snapshot.h"
-#include "job.h"
-#include "scene_input.h"
-#include "state/copy.h"
-#include "stop.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
+#include "job/job.h"
+#include "job/stop.h"
+#include "setup/scene_input.h"
 
 /* "Run again with --restart" (sysexits.h: EX_TEMPFAIL). */
 enum { EXIT_STOPPED = 75 };
 
-/* ---- what is due ---- */
-
-/* Is one of the multiples of `every` in (before, now]? A function of the two times alone, so that a restart
- * need not remember what was due. */
-static bool passes_multiple(double every, double before, double now) {
-  if (now - before >= every) return true; /* and below there are no more multiples than steps */
-  double k = floor(before / every);
-  while (every * k <= before) k += 1.0;
-  while (k > 0.0 && every * (k - 1.0) > before) k -= 1.0;
-  return every * k <= now;
-}
-
-static bool snapshot_due(const hc_job *job, double before) {
-  const double every = job->scene->output.snapshots_every;
-  return every > 0.0 && passes_multiple(every, before, job->simulation.time);
-}
-
-static bool gauges_due(const hc_job *job, double before) {
-  const double every = job->scene->output.gauges_every;
-  return job->scene->output.gauge_count > 0 &&
-         (every == 0.0 || passes_multiple(every, before, job->simulation.time));
-}
-
-/* ---- what is written ---- */
-
-static hc_status write_snapshot(hc_job *job, hc_error *error) {
-  hc_simulation *simulation = &job->simulation;
-  hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
-  const hc_snapshot snapshot = hc_simulation_snapshot(simulation);
-  return hc_snapshot_write(job->comm, &snapshot, job->directory, (int)job->counts.snapshots, error);
-}
-
-/* A row of gauges.csv. Collective; only rank 0 can fail. */
-static hc_status read_gauges(hc_job *job, hc_error *error) {
-  hc_gauges_read(&job->gauges, &job->simulation.world.fluid, job->gauge_values);
-  return hc_tables_add_gauges(&job->tables, job->simulation.time, job->gauge_values,
-                              hc_gauges_columns(job->scene), error);
-}
-
-/* The state at the start. */
-static hc_status write_start(hc_job *job, hc_error *error) {
-  if (write_snapshot(job, error) != HC_OK) return error->status;
-  job->counts.snapshots++;
-  if (job->scene->output.gauge_count > 0) {
-    read_gauges(job, error);
-    job->counts.gauge_time = job->simulation.time;
-  }
-  return hc_comm_agree(job->comm, error);
-}
-
-/* Snapshot and gauges of the last moment, if it was not their turn anyway. They leave no trace in the state,
- * so that a run that goes on from here takes them back. */
-static hc_status write_end(hc_job *job, bool wrote_snapshot, bool wrote_gauges, hc_error *error) {
-  if (!wrote_snapshot && write_snapshot(job, error) != HC_OK) return error->status;
-  if (wrote_gauges || job->scene->output.gauge_count == 0) return HC_OK;
-  hc_state_copy items = {.full = false};
-  hc_state_remember(&items, &job->simulation.state, 0);
-  read_gauges(job, error);
-  hc_state_restore(&items, &job->simulation.state);
-  hc_state_copy_free(&items);
-  return hc_comm_agree(job->comm, error);
-}
-
-/* ---- the steps ---- */
-
-bool hc_job_is_over(const hc_job *job) {
-  return hc_simulation_done(&job->simulation) ||
-         (job->options->steps >= 0 && job->simulation.step >= job->options->steps);
-}
-
-static hc_job_load measure_load(hc_job *job, int64_t bytes_before) {
-  const hc_world *world = &job->simulation.world;
-  hc_balance *balance = &job->simulation.balance;
-  const int64_t work = (int64_t)(1e9 * balance->step_work);
-  const bool first = job->comm->rank == 0;
-  int64_t largest[6] = {work,
-                        world->fluid.ghosts + world->boundary.ghosts,
-                        job->comm->bytes_sent - bytes_before,
-                        hc_stop_signal(),
-                        first && hc_job_out_of_time(job),
-                        first && hc_job_checkpoint_time(job)};
-  int64_t totals[2] = {world->fluid.own, work};
-  hc_comm_max_i64(job->comm, largest, 6);
-  hc_comm_sum_i64(job->comm, totals, 2);
-  const double imbalance =
-      hc_balance_note(balance, 1e-9 * (double)largest[0], 1e-9 * (double)totals[1] / job->comm->size);
-  return (hc_job_load){imbalance,       largest[1],      largest[2],     totals[0],
-                       (int)largest[3], largest[4] != 0, largest[5] != 0};
-}
-
-/* Particles that were taken out: the first ten of a run one by one, then how many. */
-static void tell_departures(hc_job *job, char *event, size_t size) {
-  const hc_departures *departures = &job->simulation.departures;
-  const long long step = (long long)job->simulation.step;
-  if (departures->count == 0) return;
-  int64_t told = 0;
-  for (; told < departures->named && job->counts.departed < HC_LEAVING_NAMED; told++, job->counts.departed++)
-    hc_log_warn(&job->log, "step %lld: particle %lld has left the world at (%.6g, %.6g, %.6g) m; removed",
-                step, (long long)departures->first[told].id, departures->first[told].at[0],
-                departures->first[told].at[1], departures->first[told].at[2]);
-  if (told < departures->count)
-    hc_log_warn(&job->log, "step %lld: %lld particles have left the world; removed", step,
-                (long long)departures->count);
-  snprintf(event + strlen(event), size - strlen(event), "%sremoved:%lld", event[0] ? "+" : "",
-           (long long)departures->count);
-}
-
-/* Emitters' samples that found their place taken. */
-static void tell_blocked(hc_job *job, char *event, size_t size) {
-  const hc_simulation *simulation = &job->simulation;
-  if (simulation->blocked == 0) return;
-  if (!job->counts.blocked)
-    hc_log_warn(&job->log,
-                "step %lld: %lld particles of emitters found fluid in their places and are left out; see the "
-                "event blocked in steps.csv, and the summary",
-                (long long)simulation->step, (long long)simulation->blocked);
-  job->counts.blocked += simulation->blocked;
-  snprintf(event + strlen(event), size - strlen(event), "%sblocked:%lld", event[0] ? "+" : "",
-           (long long)simulation->blocked);
-}
-
-/* Counts and logs what went wrong in a step; the event words of its row. */
-static void judge_step(hc_job *job, char *event, size_t size) {
-  const hc_simulation *simulation = &job->simulation;
-  const hc_step_report *report = &simulation->report;
-  event[0] = '\0';
-  if (report->density_capped) {
-    job->counts.density_caps++;
-    snprintf(event, size, "density_cap");
-    hc_log_warn(&job->log,
-                "step %lld: density solver at its cap of %d iterations, average error %.3g, allowed %.3g",
-                (long long)simulation->step, report->density_iterations, report->density_error_avg,
-                simulation->solver_settings.density_error_avg);
-  }
-  if (report->divergence_capped) {
-    job->counts.divergence_caps++;
-    snprintf(event + strlen(event), size - strlen(event), "%sdivergence_cap", event[0] ? "+" : "");
-    hc_log_warn(&job->log, "step %lld: divergence solver at its cap of %d iterations",
-                (long long)simulation->step, report->divergence_iterations);
-  }
-  if (report->density_error_max > HC_JOB_MOST_COMPRESSION) {
-    job->counts.compressed_steps++;
-    hc_log_warn(&job->log, "step %lld: a particle's density is off by %.3g %%, more than %g %%",
-                (long long)simulation->step, 100.0 * report->density_error_max,
-                100.0 * HC_JOB_MOST_COMPRESSION);
-  }
-  tell_departures(job, event, size);
-  if (simulation->rollback.before > 0)
-    snprintf(event + strlen(event), size - strlen(event), "%srollback:%lld", event[0] ? "+" : "",
-             (long long)simulation->rollback.before);
-  tell_blocked(job, event, size);
-  if (job->counts.shortest_step == 0.0 || simulation->dt < job->counts.shortest_step)
-    job->counts.shortest_step = simulation->dt;
-  if (simulation->dt > job->counts.longest_step) job->counts.longest_step = simulation->dt;
-  job->counts.contacts += report->contacts;
-}
-
-static hc_progress_sample progress_sample(const hc_job *job, const hc_job_load *load) {
-  const hc_simulation *simulation = &job->simulation;
-  return (hc_progress_sample){simulation->step,
-                              simulation->time,
-                              simulation->dt,
-                              simulation->report.density_iterations,
-                              simulation->report.divergence_iterations,
-                              simulation->report.density_error_avg,
-                              load->fluid,
-                              load->imbalance};
-}
-
-/* One step with its due outputs: rows, snapshot, gauges. */
-typedef struct done {
-  hc_job_load load;
-  double wall_seconds;   /* what was taken back before it not counted */
-  bool taken_back;       /* there is no step */
-  bool snapshot, gauges; /* written */
-} done;
-
-static hc_status step_and_report(hc_job *job, done *done, hc_error *error) {
-  hc_simulation *simulation = &job->simulation;
-  const double start = hc_seconds(), before = simulation->time;
-  const int64_t bytes_before = job->comm->bytes_sent;
-  if (hc_simulation_step(simulation, error) != HC_OK)
-    return hc_failure_snapshot(simulation, job->directory, error);
-  done->taken_back = simulation->rollback.back > 0;
-  if (done->taken_back) return hc_job_take_back(job, error);
-  hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
-  hc_gauges_step(&job->gauges, &simulation->world.sweep, simulation->dt);
-  const double active_boundary = hc_world_active_boundary(&simulation->world);
-  done->load = measure_load(job, bytes_before);
-  if (done->load.fluid != simulation->world.fluid_total)
-    return hc_error_set(error, HC_FAILED, "step %lld: %lld of %lld fluid particles are left",
-                        (long long)simulation->step, (long long)done->load.fluid,
-                        (long long)simulation->world.fluid_total);
-  job->particle_steps += (double)done->load.fluid;
-  char event[128];
-  judge_step(job, event, sizeof event);
-  hc_explain_time_step(&job->explained, simulation, &job->log);
-  if (simulation->rebalanced)
-    hc_balance_log(&simulation->balance, &simulation->world, simulation->step, &job->log);
-  done->snapshot = snapshot_due(job, before);
-  done->gauges = gauges_due(job, before);
-  if (done->snapshot && write_snapshot(job, error) != HC_OK) return error->status;
-  if (done->snapshot) job->counts.snapshots++;
-  hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
-  if (done->gauges) read_gauges(job, error);
-  if (done->gauges) job->counts.gauge_time = simulation->time;
-  if (error->status == HC_OK) hc_job_add_step_row(job, &done->load, active_boundary, event, error);
-  done->wall_seconds = hc_seconds() - start;
-  job->slowest_step = fmax(job->slowest_step, done->wall_seconds);
-  return hc_comm_agree(job->comm, error);
-}
-
-static bool checkpoint_due(const hc_job *job, const hc_job_load *load) {
-  const int every = job->scene->output.checkpoints_every_steps;
-  return load->checkpoint_time || (every > 0 && job->simulation.step % every == 0);
-}
-
-static void join_events(const hc_simulation *simulation, bool snapshot, bool checkpoint, char *event,
-                        size_t size) {
-  snprintf(event, size, "%s%s%s", simulation->rebalanced ? "+rebalance" : "", snapshot ? "+snapshot" : "",
-           checkpoint ? "+checkpoint" : "");
-  if (*event) memmove(event, event + 1, strlen(event));
-}
-
-static void say_end(const hc_job *job, const hc_job_load *load) {
-  const hc_simulation *simulation = &job->simulation;
-  if (job->comm->rank != 0 || job->options->quiet) return;
-  const char *why = hc_simulation_done(simulation) ? "done"
-                    : !job->stopped                ? "stopped by --steps"
-                    : load->signal                 ? hc_stop_signal_name(load->signal)
-                                                   : "--walltime";
-  printf("%s%s after %lld steps at %g s; files in %s%s\n", job->stopped ? "stopped by " : "", why,
-         (long long)simulation->step, simulation->time, job->directory,
-         job->stopped ? "; go on with --restart" : "");
-}
-
-/* Steps until the end, or until a signal, --walltime or --steps ask for a stop; at least one step more than
- * checkpoints lag behind, so that restarts get on. The last state is in a checkpoint too, which comes after
- * all other files of its moment. */
-static hc_status run_steps(hc_job *job, hc_error *error) {
-  hc_simulation *simulation = &job->simulation;
-  job->started = job->last_checkpoint = hc_seconds();
-  done done = {.load = measure_load(job, job->comm->bytes_sent)};
-  bool last = hc_job_is_over(job);
-  int owed = hc_rollback_is_on(simulation) ? 2 : 1;
-  while (!last) {
-    if (step_and_report(job, &done, error) != HC_OK) return error->status;
-    if (done.taken_back) continue;
-    owed -= owed > 0;
-    const bool over = hc_job_is_over(job);
-    job->stopped = !over && owed == 0 && (done.load.signal || done.load.out_of_time);
-    last = over || job->stopped;
-    const bool checkpoint = last || checkpoint_due(job, &done.load);
-    const double begin = hc_seconds();
-    if (over && write_end(job, done.snapshot, done.gauges, error) != HC_OK) return error->status;
-    if (checkpoint && hc_job_write_checkpoint(job, error) != HC_OK) return error->status;
-    char event[64];
-    join_events(simulation, done.snapshot || over, checkpoint, event, sizeof event);
-    hc_job_add_load_row(job, &done.load, done.wall_seconds + (hc_seconds() - begin), event, error);
-    if (hc_comm_agree(job->comm, error) != HC_OK) return error->status;
-    const hc_progress_sample sample = progress_sample(job, &done.load);
-    hc_progress_step(&job->progress, &sample);
-  }
-  const hc_progress_sample sample = progress_sample(job, &done.load);
-  hc_progress_finish(&job->progress, &sample);
-  if (job->stopped)
-    hc_log_info(&job->log, "stopped by %s; go on with --restart",
-                done.load.signal ? hc_stop_signal_name(done.load.signal) : "--walltime");
-  say_end(job, &done.load);
-  return HC_OK;
-}
-
-/* ---- from the command line to the end ---- */
-
-static hc_status run_with_files(hc_job *job, hc_error *error) {
-  const double begin = job->simulation.time;
-  if (hc_job_open_files(job, error) != HC_OK) return error->status;
-  hc_job_log_start(job);
-  const bool show = job->comm->rank == 0 && !job->options->quiet;
-  hc_progress_start(&job->progress, show ? stdout : NULL, show && hc_progress_on_terminal(stdout), begin,
-                    job->scene->end_time);
-  if (!*job->checkpoint && write_start(job, error) != HC_OK) return error->status;
-  if (run_steps(job, error) != HC_OK) return error->status;
-  const bool idle = *job->checkpoint && job->simulation.step == job->first_step;
-  return idle ? HC_OK : hc_job_summarize(job, error); /* what was said of the run's end holds */
-}
-
-/* The particles, from the scene or from a checkpoint, and the gauges among them. */
-static hc_status fill(hc_job *job, hc_error *error) {
-  hc_simulation *simulation = &job->simulation;
-  const hc_status status =
-      *job->checkpoint ? hc_job_read_checkpoint(job, error) : hc_simulation_populate(simulation, error);
-  if (status != HC_OK) return status;
-  return hc_gauges_find_walls(&job->gauges, &simulation->world.boundary, error);
-}
-
-static void run_scene(hc_job *job, hc_error *error) {
-  hc_simulation *simulation = &job->simulation;
-  if (job->options->restart) {
-    const int said = job->warnings->count;
-    hc_job_find_checkpoint(job, error);
-    hc_command_warn(job->warnings, said);
-    if (error->status != HC_OK) return;
-  }
-  if (hc_simulation_prepare(simulation, job->comm, job->scene, error) != HC_OK) return;
-  hc_gauges_init(&job->gauges, job->comm, job->scene, &simulation->world.frame, simulation->world.mass);
-  job->gauge_values = hc_alloc((size_t)hc_gauges_columns(job->scene), sizeof *job->gauge_values);
-  hc_job_register(job);
-  if (fill(job, error) == HC_OK) {
-    run_with_files(job, error);
-    hc_job_close_files(job, error);
-  }
-  hc_free(job->gauge_values);
-  hc_gauges_free(&job->gauges);
-  hc_simulation_free(simulation);
-}
-
 /* Returns true if the run stopped early. */
-static bool simulate(hc_comm *comm, const hc_options *options, double launched, hc_error *error) {
+static bool read_and_run(hc_comm *comm, const hc_options *options, double launched, hc_error *error) {
   hc_scene scene;
   const hc_scene_input input = {options->files[0], NULL, options->overrides, options->override_count};
+  const hc_job_options job = {.scene_file = options->files[0],
+                              .overrides = options->overrides,
+                              .override_count = options->override_count,
+                              .output = options->output,
+                              .steps = options->steps,
+                              .walltime = options->walltime,
+                              .restart = options->restart,
+                              .restart_file = options->restart_file,
+                              .force = options->force,
+                              .quiet = options->quiet};
   hc_warnings warnings = {0};
+  bool stopped = false;
   hc_scene_input_read(comm, &input, &scene, &warnings, error);
-  hc_command_warn(&warnings, 0);
-  hc_job *job = hc_alloc_zero(1, sizeof *job);
+  hc_warnings_print(&warnings, 0);
   if (error->status == HC_OK) {
-    *job = (hc_job){.comm = comm,
-                    .options = options,
-                    .scene = &scene,
-                    .warnings = &warnings,
-                    .lock = -1,
-                    .launched = launched};
-    job->counts.gauge_time = -1.0;
-    const int length = options->output
-                           ? snprintf(job->directory, sizeof job->directory, "%s", options->output)
-                           : snprintf(job->directory, sizeof job->directory, "out/%s", scene.name);
-    if (length >= (int)sizeof job->directory)
-      hc_error_set(error, HC_BAD_INPUT, "the output directory's name has %d bytes, more than %d", length,
-                   HC_TEXT_PATH);
-    else
-      run_scene(job, error);
+    stopped = hc_job_run(comm, &scene, &job, &warnings, launched, error);
     hc_scene_free(&scene);
   }
-  const bool stopped = job->stopped;
-  hc_free(job->changed);
-  hc_free(job->written.scene_text);
-  hc_free(job);
   hc_warnings_free(&warnings);
   return stopped;
 }
@@ -372,7 +41,7 @@ int hc_command_run(const hc_options *options) {
   hc_comm_start(&comm, NULL, NULL);
   hc_stop_catch_signals();
   hc_error *error = hc_alloc_zero(1, sizeof *error);
-  const bool stopped = simulate(&comm, options, launched, error);
+  const bool stopped = read_and_run(&comm, options, launched, error);
   const int code = error->status;
   if (code != HC_OK && comm.rank == 0) hc_command_fail(error);
   hc_free(error);

@@ -18,6 +18,11 @@ void hc_warnings_add(hc_warnings *warnings, const char *format, ...) {
   warnings->text[warnings->count++] = text;
 }
 
+void hc_warnings_print(const hc_warnings *warnings, int first) {
+  for (int k = first; k < warnings->count; k++)
+    fprintf(stderr, "halocline: warning: %s\n", warnings->text[k]);
+}
+
 void hc_warnings_free(hc_warnings *warnings) {
   for (int k = 0; k < warnings->count; k++) hc_free(warnings->text[k]);
   hc_free(warnings->text);

@@ -14,6 +14,9 @@ typedef struct hc_warnings {
 /* Appends a formatted text; does nothing if `warnings` is null, for callers whom nobody listens to. Local. */
 void hc_warnings_add(hc_warnings *warnings, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* Says "halocline: warning: TEXT" on stderr for each, from the one with index `first` on. Local. */
+void hc_warnings_print(const hc_warnings *warnings, int first);
+
 /* Frees the texts; none are left. */
 void hc_warnings_free(hc_warnings *warnings);
 

@@ -75,14 +75,15 @@ static void write_file(hc_comm *comm, const hc_checkpoint_content *content, cons
   hc_shared_file_end(&file);
 }
 
-hc_status hc_checkpoint_write(hc_comm *comm, const hc_snapshot *moment, const hc_state *state,
-                              const char *instruction_set, const char *directory, int keep, int64_t *bytes,
-                              hc_error *error) {
+hc_status hc_checkpoint_write(hc_comm *comm, const hc_scene *scene, const hc_moment *moment,
+                              const hc_state *state, const char *instruction_set, const char *directory,
+                              int keep, int64_t *bytes, hc_error *error) {
   hc_error problem = {.status = HC_OK};
   char name[64];
   snprintf(name, sizeof name, "ckpt_%08" PRId64 ".h5", moment->step);
-  char *scene_text = hc_scene_text(moment->scene);
+  char *scene_text = hc_scene_text(scene);
   hc_checkpoint_content content = {.comm = comm,
+                                   .scene = scene,
                                    .moment = moment,
                                    .state = state,
                                    .instruction_set = instruction_set,

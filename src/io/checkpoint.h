@@ -7,39 +7,21 @@
 #ifndef HC_CHECKPOINT_H
 #define HC_CHECKPOINT_H
 
-#include "snapshot.h"
-#include "state/state.h"
+#include "checkpoint_content.h"
 #include "text.h"
 
 /* Writes DIRECTORY/checkpoints/ckpt_NNNNNNNN.h5 (NNNNNNNN = moment->step); the `keep` newest are kept.
  * Collective; every rank returns the
  * same. On failure (HC_IO_FAILED: the disk is full, ...; HC_FAILED: no memory) older checkpoints are as they
  * were. `bytes`: the size of the file. */
-hc_status hc_checkpoint_write(hc_comm *comm, const hc_snapshot *moment, const hc_state *state,
-                              const char *instruction_set, const char *directory, int keep, int64_t *bytes,
-                              hc_error *error);
+hc_status hc_checkpoint_write(hc_comm *comm, const hc_scene *scene, const hc_moment *moment,
+                              const hc_state *state, const char *instruction_set, const char *directory,
+                              int keep, int64_t *bytes, hc_error *error);
 
 /* The checkpoint of DIRECTORY with the highest step below `below` (INT64_MAX: the newest) into `path`, and
  * its step; -1 if there is none. Temporaries do not count. Collective; HC_IO_FAILED, agreed, if the directory
  * cannot be read. */
 hc_status hc_checkpoint_find(hc_comm *comm, const char *directory, int64_t below, char path[HC_TEXT_PATH],
                              int64_t *step, hc_error *error);
-
-/* What a restart needs to know before it reads the state. This and the next function must only be given files
- * that hc_seal_check has found whole. */
-typedef struct hc_checkpoint_facts {
-  char *scene_text; /* zero-terminated; hc_free */
-  char instruction_set[32];
-  int64_t ranks; /* that wrote it */
-} hc_checkpoint_facts;
-
-/* Collective; HC_IO_FAILED, agreed. */
-hc_status hc_checkpoint_facts_read(hc_comm *comm, const char *path, hc_checkpoint_facts *facts,
-                                   hc_error *error);
-
-/* Fills the state's items and gives each rank a share of the particles (whoever's they are: distribute them
- * afterwards); ghosts are gone. The items registered must be those of the file. Collective; HC_IO_FAILED,
- * agreed, then the state is undefined. */
-hc_status hc_checkpoint_read(hc_comm *comm, const char *path, hc_state *state, hc_error *error);
 
 #endif

@@ -120,7 +120,8 @@ static void put_own(const hc_checkpoint_content *content, hid_t file, hc_error *
   const hid_t own = hc_h5_create_group(file, "Halocline", problem);
   const int64_t ranks = content->comm->size;
   int fields[HC_FIELD_COUNT], count = 0;
-  hc_facts_put(own, content->moment, content->total[FLUID], content->total[BOUNDARY], problem);
+  hc_facts_put(own, content->scene, content->moment, content->total[FLUID], content->total[BOUNDARY],
+               problem);
   for (int field = 0; field < HC_FIELD_COUNT; field++)
     if (hc_fields[field].flags & HC_STATE) fields[count++] = field;
   hc_facts_put_fields(own, fields, count, problem);

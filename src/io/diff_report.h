@@ -2,10 +2,10 @@
 #ifndef HC_DIFF_REPORT_H
 #define HC_DIFF_REPORT_H
 
-#include "diff.h"
 #include "snapshot_read.h"
 
 #include <stdint.h>
+#include <stdio.h>
 
 enum {
   HC_DIFF_LISTED = 10, /* missing ids that are named */

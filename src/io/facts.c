@@ -1,10 +1,9 @@
 #include "facts.h"
 
-void hc_facts_put(hid_t group, const hc_snapshot *moment, int64_t fluid, int64_t boundary,
-                  hc_error *problem) {
-  const hc_scene *scene = moment->scene;
+void hc_facts_put(hid_t group, const hc_scene *scene, const hc_moment *moment, int64_t fluid,
+                  int64_t boundary, hc_error *problem) {
   const hc_frame *frame = moment->frame;
-  const int64_t format = HC_SNAPSHOT_FORMAT;
+  const int64_t format = HC_FACTS_FORMAT;
   hc_h5_put_i64(group, "format_version", 1, &format, problem);
   hc_h5_put_text(group, "program_version", HC_VERSION, problem);
   hc_h5_put_text(group, "scene", scene->name, problem);

@@ -27,15 +27,15 @@ static void write_file(hc_snapshot_layout *layout, const place *place, hc_error 
     hc_shared_file_close(&file);
   }
   if (hc_shared_file_end(&file) == HC_OK && layout->comm->rank == 0 && place->in_series)
-    hc_series_add(file.directory, place->number, layout->snapshot->time, problem);
+    hc_series_add(file.directory, place->number, layout->moment->time, problem);
   hc_comm_agree(layout->comm, problem);
 }
 
-static hc_status write_snapshot(hc_comm *comm, const hc_snapshot *snapshot, const place *place,
-                                hc_error *error) {
+static hc_status write_snapshot(hc_comm *comm, const hc_scene *scene, const hc_moment *moment,
+                                const place *place, hc_error *error) {
   hc_error problem = {.status = HC_OK};
   hc_snapshot_layout layout;
-  hc_snapshot_layout_init(&layout, comm, snapshot, &problem);
+  hc_snapshot_layout_init(&layout, comm, scene, moment, &problem);
   if (hc_comm_agree(comm, &problem) == HC_OK) write_file(&layout, place, &problem);
   hc_snapshot_layout_free(&layout);
   if (problem.status != HC_OK) {
@@ -46,16 +46,16 @@ static hc_status write_snapshot(hc_comm *comm, const hc_snapshot *snapshot, cons
   return problem.status;
 }
 
-hc_status hc_snapshot_write(hc_comm *comm, const hc_snapshot *snapshot, const char *directory, int number,
-                            hc_error *error) {
+hc_status hc_snapshot_write(hc_comm *comm, const hc_scene *scene, const hc_moment *moment,
+                            const char *directory, int number, hc_error *error) {
   const place place = {directory, "snap", number, true};
-  return write_snapshot(comm, snapshot, &place, error);
+  return write_snapshot(comm, scene, moment, &place, error);
 }
 
-hc_status hc_snapshot_write_fault(hc_comm *comm, const hc_snapshot *snapshot, const char *directory,
-                                  hc_error *error) {
-  const place place = {directory, "fault", (int)snapshot->step, false};
-  return write_snapshot(comm, snapshot, &place, error);
+hc_status hc_snapshot_write_fault(hc_comm *comm, const hc_scene *scene, const hc_moment *moment,
+                                  const char *directory, hc_error *error) {
+  const place place = {directory, "fault", (int)moment->step, false};
+  return write_snapshot(comm, scene, moment, &place, error);
 }
 
 hc_status hc_snapshot_bytes(const hc_scene *scene, int64_t particles, int64_t *bytes, hc_error *error) {

@@ -18,35 +18,23 @@
 
 #include "comm/comm.h"
 #include "halocline/error.h"
-#include "particles/particles.h"
 #include "scene/scene.h"
-#include "space/frame.h"
-
-enum { HC_SNAPSHOT_FORMAT = 1 };
-
-/* What a snapshot shows; borrowed for the call. */
-typedef struct hc_snapshot {
-  const hc_scene *scene; /* name, spacing, gravity, rest density, requested fields */
-  const hc_frame *frame;
-  const hc_particles *fluid, *boundary;
-  int64_t step;
-  double time, dt;      /* s */
-  double particle_mass; /* kg, of a fluid particle */
-} hc_snapshot;
+#include "state/moment.h"
 
 /* Writes DIRECTORY/snapshots/snap_NNNNNN.hdf (NNNNNN = number) and the new snapshots/run.hdf.series.
+ * Of the scene: name, spacing, gravity, rest density, requested fields.
  * Collective; every rank returns the same. Transient memory: about 20 MiB, whatever the number of particles.
  * On failure nothing appears under the final name and the temporary is removed; only if run.hdf.series cannot
  * be written is the snapshot there without an entry in it.
  * HC_IO_FAILED: the disk is full, the directory not writable. HC_BAD_INPUT: a requested field does not exist.
  */
-hc_status hc_snapshot_write(hc_comm *comm, const hc_snapshot *snapshot, const char *directory, int number,
-                            hc_error *error);
+hc_status hc_snapshot_write(hc_comm *comm, const hc_scene *scene, const hc_moment *moment,
+                            const char *directory, int number, hc_error *error);
 
-/* The same of the moment in which a run failed: DIRECTORY/snapshots/fault_NNNNNN.hdf (NNNNNN = the snapshot's
+/* The same of the moment in which a run failed: DIRECTORY/snapshots/fault_NNNNNN.hdf (NNNNNN = the moment's
  * step). It is no part of run.hdf.series, whose scales one broken particle would spoil. */
-hc_status hc_snapshot_write_fault(hc_comm *comm, const hc_snapshot *snapshot, const char *directory,
-                                  hc_error *error);
+hc_status hc_snapshot_write_fault(hc_comm *comm, const hc_scene *scene, const hc_moment *moment,
+                                  const char *directory, hc_error *error);
 
 /* About how large the snapshot of so many particles is, of both kinds together: right to some KiB, packed
  * columns taken for 0.15 bytes a particle. Local. HC_BAD_INPUT as above. */

@@ -27,7 +27,7 @@ enum {
 };
 
 static void resolve_fields(hc_snapshot_layout *layout) {
-  const hc_scene *scene = layout->snapshot->scene;
+  const hc_scene *scene = layout->scene;
   layout->fields[layout->field_count++] = HC_FIELD_id; /* always: it is what `diff` matches by */
   for (int k = 0; k < scene->output.snapshot_field_count; k++) {
     const char *name = scene->output.snapshot_fields[k];
@@ -52,14 +52,15 @@ static void resolve_fields(hc_snapshot_layout *layout) {
   }
 }
 
-void hc_snapshot_layout_init(hc_snapshot_layout *layout, hc_comm *comm, const hc_snapshot *snapshot,
-                             hc_error *problem) {
+void hc_snapshot_layout_init(hc_snapshot_layout *layout, hc_comm *comm, const hc_scene *scene,
+                             const hc_moment *moment, hc_error *problem) {
   memset(layout, 0, sizeof *layout);
   layout->comm = comm;
-  layout->snapshot = snapshot;
+  layout->scene = scene;
+  layout->moment = moment;
   layout->problem = problem;
   layout->file = layout->independent = layout->collective = H5I_INVALID_HID;
-  const int64_t mine[2] = {snapshot->fluid->own, snapshot->boundary->own};
+  const int64_t mine[2] = {moment->fluid->own, moment->boundary->own};
   void *all = NULL;
   size_t bytes = 0;
   hc_comm_gather_all(comm, mine, sizeof mine, &all, &bytes);
@@ -84,8 +85,7 @@ static int64_t plain_bytes(const hc_snapshot_layout *layout) {
 }
 
 int64_t hc_snapshot_layout_estimate(const hc_scene *scene, int64_t particles, hc_error *problem) {
-  const hc_snapshot snapshot = {.scene = scene};
-  hc_snapshot_layout layout = {.snapshot = &snapshot, .problem = problem};
+  hc_snapshot_layout layout = {.scene = scene, .problem = problem};
   resolve_fields(&layout);
   return particles * plain_bytes(&layout) + particles * 15 / 100 + USUAL_HEADERS;
 }
@@ -143,7 +143,7 @@ static void define_vtk(hc_snapshot_layout *layout) {
 
 static void define_own(hc_snapshot_layout *layout) {
   const hid_t own = hc_h5_create_group(layout->file, "Halocline", layout->problem);
-  hc_facts_put(own, layout->snapshot, layout->fluid, layout->boundary, layout->problem);
+  hc_facts_put(own, layout->scene, layout->moment, layout->fluid, layout->boundary, layout->problem);
   define(layout, &layout->per_piece[3], own, "fluid_per_piece", H5T_STD_I64LE, 1, false);
   hc_facts_put_fields(own, layout->fields, layout->field_count, layout->problem);
   hc_h5_close_group(own, layout->problem);
@@ -214,11 +214,11 @@ static void write_rows(hc_snapshot_layout *layout, const hc_snapshot_column *col
 }
 
 static const hc_particles *store(const hc_snapshot_layout *layout, int kind) {
-  return kind == FLUID ? layout->snapshot->fluid : layout->snapshot->boundary;
+  return kind == FLUID ? layout->moment->fluid : layout->moment->boundary;
 }
 
 static void fill_points(hc_snapshot_layout *layout, double *slice) {
-  const hc_frame *frame = layout->snapshot->frame;
+  const hc_frame *frame = layout->moment->frame;
   int64_t row = layout->points.first;
   for (int kind = FLUID; kind <= BOUNDARY; kind++) {
     const hc_particles *particles = store(layout, kind);
@@ -269,7 +269,7 @@ static void produce_types(const hc_snapshot_layout *layout, int64_t first, int64
 
 static void produce_kinds(const hc_snapshot_layout *layout, int64_t first, int64_t count, void *values) {
   for (int64_t k = 0; k < count; k++)
-    ((uint8_t *)values)[k] = first + k < layout->snapshot->fluid->own ? HC_ID_FLUID : HC_ID_BOUNDARY;
+    ((uint8_t *)values)[k] = first + k < layout->moment->fluid->own ? HC_ID_FLUID : HC_ID_BOUNDARY;
 }
 
 /* Writes a compressed column, a window of whole chunks at a time to bound the memory. The chunks that this

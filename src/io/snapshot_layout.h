@@ -4,8 +4,10 @@
 #ifndef HC_SNAPSHOT_LAYOUT_H
 #define HC_SNAPSHOT_LAYOUT_H
 
+#include "comm/comm.h"
 #include "h5.h"
-#include "snapshot.h"
+#include "scene/scene.h"
+#include "state/moment.h"
 
 /* A dataset and where this rank's rows lie in it. */
 typedef struct hc_snapshot_column {
@@ -20,7 +22,8 @@ enum { HC_SNAPSHOT_MAX_FIELDS = HC_MAX_SNAPSHOT_FIELDS + 1 /* id */ };
 
 typedef struct hc_snapshot_layout {
   hc_comm *comm;
-  const hc_snapshot *snapshot;
+  const hc_scene *scene;
+  const hc_moment *moment;
   int64_t (*counts)[2];                /* fluid and boundary particles of every rank */
   int64_t fluid, boundary;             /* of all ranks */
   hid_t file, independent, collective; /* transfer modes */
@@ -31,8 +34,8 @@ typedef struct hc_snapshot_layout {
 } hc_snapshot_layout;
 
 /* Gathers the counts and resolves the requested fields. Collective, may set `problem` (HC_BAD_INPUT). */
-void hc_snapshot_layout_init(hc_snapshot_layout *layout, hc_comm *comm, const hc_snapshot *snapshot,
-                             hc_error *problem);
+void hc_snapshot_layout_init(hc_snapshot_layout *layout, hc_comm *comm, const hc_scene *scene,
+                             const hc_moment *moment, hc_error *problem);
 void hc_snapshot_layout_free(hc_snapshot_layout *layout);
 
 /* Bytes that the file can have at most, headers included. Local. */

@@ -1,10 +1,10 @@
 #include "snapshot_read.h"
 
 #include "base/memory.h"
+#include "facts.h"
 #include "h5.h"
 #include "particles/particles.h"
 #include "seal.h"
-#include "snapshot.h"
 
 #include <errno.h>
 #include <math.h>
@@ -141,10 +141,10 @@ static hc_status read_halves(const hc_snapshot_file *file, hc_field_id id, void 
 static void read_facts(hc_snapshot_file *file, hid_t own, hc_error *problem) {
   hc_snapshot_facts *facts = &file->facts;
   hc_h5_get(own, "format_version", H5T_NATIVE_INT64, 1, &facts->format_version, problem);
-  if (problem->status == HC_OK && facts->format_version != HC_SNAPSHOT_FORMAT) {
+  if (problem->status == HC_OK && facts->format_version != HC_FACTS_FORMAT) {
     hc_error_set(problem, HC_BAD_INPUT,
                  "format_version must be %d, is %lld: written by another version of Halocline",
-                 HC_SNAPSHOT_FORMAT, (long long)facts->format_version);
+                 HC_FACTS_FORMAT, (long long)facts->format_version);
     return;
   }
   hc_h5_get_text(own, "program_version", facts->program_version, sizeof facts->program_version, problem);

@@ -41,7 +41,7 @@ static void widen(const hc_frame *frame, const hc_setup_source *sources, int cou
 }
 
 /* Where a moving wall comes to until the end; nowhere if it has no samples. */
-static extent sweep(const hc_scene *scene, const hc_setup_plan *plan, const hc_moving_wall *wall) {
+static extent sweep(const hc_scene *scene, const hc_setup_plan *plan, const hc_mover *wall) {
   extent swept = nothing;
   widen(&plan->frame, &plan->boundary[wall->wall], 1, &swept);
   if (swept.low[0] <= swept.high[0])

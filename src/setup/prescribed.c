@@ -73,8 +73,8 @@ hc_prescribed_motions hc_prescribed_motions_make(const hc_scene *scene, const hc
   for (int k = 0; k < scene->boundary.wall_count; k++) {
     const hc_wall_motion *given = &scene->boundary.walls[k].motion;
     if (given->type == HC_WALL_STANDS) continue;
-    hc_moving_wall *wall = &made.walls[made.count++];
-    *wall = (hc_moving_wall){.wall = k, .motion = motion_of(given, next)};
+    hc_mover *wall = &made.walls[made.count++];
+    *wall = (hc_mover){.wall = k, .motion = motion_of(given, next)};
     wall->reach = reach_of(&plan->frame, &plan->boundary[k], wall->motion.centre);
     next += wall->motion.row_count;
   }
@@ -109,7 +109,7 @@ double hc_prescribed_speed(const hc_prescribed_motions *motions, const hc_emitte
                            double ahead) {
   double largest = hc_emitters_speed(emitters, time, ahead);
   for (int k = 0; k < motions->count; k++)
-    largest = fmax(largest, hc_moving_wall_speed(&motions->walls[k], time, ahead));
+    largest = fmax(largest, hc_mover_speed(&motions->walls[k], time, ahead));
   return largest;
 }
 

@@ -2,13 +2,13 @@
 #ifndef HC_PRESCRIBED_H
 #define HC_PRESCRIBED_H
 
+#include "rigid/movers.h"
 #include "setup/populate.h"
-#include "solver/moving_walls.h"
 #include "sources/emitters.h"
 
 /* The walls that move, by number, and the rows of their tables. Freed with hc_prescribed_motions_free. */
 typedef struct hc_prescribed_motions {
-  hc_moving_wall *walls;
+  hc_mover *walls;
   hc_motion_row *rows;
   int count;
 } hc_prescribed_motions;

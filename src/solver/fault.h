@@ -5,7 +5,7 @@
 #define HC_FAULT_H
 
 #include "halocline/error.h"
-#include "world.h"
+#include "world/world.h"
 
 /* In the order in which a step can find them. */
 typedef enum hc_fault_kind {

@@ -4,7 +4,7 @@
 
 #include "mpi_test.h"
 
-#include "app/simulation.h"
+#include "simulation/step.h"
 
 #include <string.h>
 

@@ -194,12 +194,12 @@ START_TEST(a_checkpoint_rolls_back_as_far) {
     const uint64_t now = state_of(&simulation);
     const int64_t at = simulation.step;
     hc_state_copy kept = {.full = false};
-    hc_rollback_show_resumable(&simulation, &kept);
+    hc_simulation_show_resumable(&simulation, &kept);
     ck_assert_int_eq(simulation.step, at - 1);
-    const hc_snapshot moment = hc_simulation_snapshot(&simulation);
-    ck_assert(hc_checkpoint_write(&comm, &moment, &simulation.state, "test", folder, 2, &bytes, &error) ==
+    const hc_moment moment = hc_simulation_moment(&simulation);
+    ck_assert(hc_checkpoint_write(&comm, simulation.scene, &moment, &simulation.state, "test", folder, 2, &bytes, &error) ==
               HC_OK);
-    hc_rollback_show_now(&simulation, &kept);
+    hc_simulation_show_now(&simulation, &kept);
     ck_assert_int_eq(simulation.step, at);
     EXPECT(state_of(&simulation) == now);
 

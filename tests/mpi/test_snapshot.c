@@ -106,10 +106,10 @@ static void share(hc_particles *particles, hc_id_kind kind, int64_t count, owner
 }
 
 static hc_status write_snapshot(int number, hc_error *error) {
-  const hc_snapshot snapshot = {&scene, &frame, &fluid, &boundary, 42, 0.125, 1.0 / 1024, 0.5};
+  const hc_moment moment = {&frame, &fluid, &boundary, 42, 0.125, 1.0 / 1024, 0.5};
   error->status = HC_OK;
   error->text[0] = 0;
-  return hc_snapshot_write(&comm, &snapshot, directory, number, error);
+  return hc_snapshot_write(&comm, &scene, &moment, directory, number, error);
 }
 
 static void write_good(int number) {
@@ -329,9 +329,9 @@ END_TEST
 START_TEST(a_fault_has_a_snapshot_of_its_own) {
   share(&fluid, HC_ID_FLUID, 500, owner_scattered);
   for (int32_t k = 0; k < fluid.own; k++) fluid.density[k] = NAN;
-  const hc_snapshot snapshot = {&scene, &frame, &fluid, &boundary, 42, 0.125, 1.0 / 1024, 0.5};
+  const hc_moment moment = {&frame, &fluid, &boundary, 42, 0.125, 1.0 / 1024, 0.5};
   hc_error error = {.status = HC_OK};
-  ck_assert_msg(hc_snapshot_write_fault(&comm, &snapshot, directory, &error) == HC_OK, "%s", error.text);
+  ck_assert_msg(hc_snapshot_write_fault(&comm, &scene, &moment, directory, &error) == HC_OK, "%s", error.text);
   hc_comm_barrier(&comm);
   char path[128];
   snprintf(path, sizeof path, "%s/snapshots/run.hdf.series", directory);

@@ -100,8 +100,8 @@ START_TEST(a_checkpoint_is_the_state) {
   start(&simulation, &scene);
   do_steps(&simulation, 12);
   const uint64_t before = state_of(&simulation);
-  const hc_snapshot moment = hc_simulation_snapshot(&simulation);
-  ck_assert_msg(hc_checkpoint_write(&comm, &moment, &simulation.state, "test", folder, 2, &bytes, &error) ==
+  const hc_moment moment = hc_simulation_moment(&simulation);
+  ck_assert_msg(hc_checkpoint_write(&comm, simulation.scene, &moment, &simulation.state, "test", folder, 2, &bytes, &error) ==
                     HC_OK,
                 "%s", error.text);
   EXPECT(state_of(&simulation) == before); /* writing changes nothing */

@@ -80,8 +80,8 @@ static const char *path_of(int number) {
 }
 
 static void write_snapshot(int number) {
-  const hc_snapshot snapshot = {&scene, &frame, &fluid, &boundary, step, now, 1e-3, 0.5};
-  ck_assert_msg(hc_snapshot_write(&comm, &snapshot, directory, number, &error) == HC_OK, "%s", error.text);
+  const hc_moment moment = {&frame, &fluid, &boundary, step, now, 1e-3, 0.5};
+  ck_assert_msg(hc_snapshot_write(&comm, &scene, &moment, directory, number, &error) == HC_OK, "%s", error.text);
 }
 
 static void swap(hc_particles *particles) {

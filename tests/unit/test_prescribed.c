@@ -176,17 +176,17 @@ START_TEST(poses_do_not_add_up) {
   ck_assert_int_eq(hc_setup_generate(&plan, 0, 1, &fluid, &boundary, &error), HC_OK);
   hc_prescribed_motions motions = hc_prescribed_motions_make(&scene, &plan);
   ck_assert_int_eq(motions.count, 1);
-  hc_moving_walls moving;
-  hc_moving_walls_init(&moving, motions.walls, motions.count);
+  hc_movers moving;
+  hc_movers_init(&moving, motions.walls, motions.count);
   const size_t bytes = 3 * (size_t)boundary.own * sizeof *boundary.position;
   int64_t *once = hc_alloc(1, bytes), *start = hc_alloc(1, bytes);
   memcpy(start, boundary.position, bytes);
   for (int32_t k = 0; k < 3 * boundary.own; k++) boundary.normal[k] = k % 3 == 0;
-  hc_moving_walls_start(&boundary);
+  hc_movers_start(&boundary);
   static const double times[] = {1.0, 0.0, 0.3, 0.7, 0.2, 1.0};
   for (int k = 0; k < 6; k++) {
     moving.poses[0] = hc_motion_pose(&moving.walls[0].motion, times[k]);
-    hc_moving_walls_place(&moving, &frame, &boundary);
+    hc_movers_place(&moving, &frame, &boundary);
     if (k == 0) memcpy(once, boundary.position, bytes);
     if (k == 1) ck_assert_mem_eq(boundary.position, start, bytes);
   }
@@ -209,7 +209,7 @@ START_TEST(poses_do_not_add_up) {
   }
   ck_assert_int_gt(turned, 100);
   moving.moving = true;
-  hc_moving_walls_drive(&moving, &frame, &boundary);
+  hc_movers_drive(&moving, &frame, &boundary);
   for (int32_t k = 0; k < boundary.own; k++) {
     const double y = hc_frame_to_metres(&frame, 1, boundary.position[3 * k + 1]) - 0.1;
     const float expected = hc_id_source_of(boundary.id[k]) == 1 ? (float)(0.5 - PI / 2 * y) : 0.0f;
@@ -217,7 +217,7 @@ START_TEST(poses_do_not_add_up) {
   }
   hc_free(once);
   hc_free(start);
-  hc_moving_walls_free(&moving);
+  hc_movers_free(&moving);
   hc_prescribed_motions_free(&motions);
   hc_setup_plan_free(&plan);
   hc_particles_free(&fluid);

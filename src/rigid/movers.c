@@ -1,4 +1,4 @@
-#include "moving_walls.h"
+#include "movers.h"
 
 #include "base/memory.h"
 #include "particles/ids.h"
@@ -6,30 +6,30 @@
 #include <math.h>
 #include <string.h>
 
-void hc_moving_walls_init(hc_moving_walls *moving, const hc_moving_wall *walls, int count) {
-  *moving = (hc_moving_walls){.walls = hc_alloc((size_t)count, sizeof *walls),
-                              .poses = hc_alloc_zero((size_t)count, sizeof(hc_pose)),
-                              .count = count};
+void hc_movers_init(hc_movers *moving, const hc_mover *walls, int count) {
+  *moving = (hc_movers){.walls = hc_alloc((size_t)count, sizeof *walls),
+                        .poses = hc_alloc_zero((size_t)count, sizeof(hc_pose)),
+                        .count = count};
   if (count > 0) memcpy(moving->walls, walls, (size_t)count * sizeof *walls);
 }
 
-void hc_moving_walls_free(hc_moving_walls *moving) {
+void hc_movers_free(hc_movers *moving) {
   hc_free(moving->walls);
   hc_free(moving->poses);
   memset(moving, 0, sizeof *moving);
 }
 
-double hc_moving_wall_speed(const hc_moving_wall *wall, double time, double ahead) {
+double hc_mover_speed(const hc_mover *wall, double time, double ahead) {
   const hc_pose now = hc_motion_pose(&wall->motion, time), then = hc_motion_pose(&wall->motion, time + ahead);
   return fmax(hc_pose_speed(&now, wall->reach), hc_pose_speed(&then, wall->reach));
 }
 
 /* What rank 0 finds. */
-static void evaluate(hc_moving_walls *moving, double time, double ahead, bool held, hc_pose *poses) {
+static void evaluate(hc_movers *moving, double time, double ahead, bool held, hc_pose *poses) {
   moving->speed = 0.0;
   for (int k = 0; k < moving->count; k++) {
-    const hc_moving_wall *wall = &moving->walls[k];
-    moving->speed = fmax(moving->speed, hc_moving_wall_speed(wall, time, ahead));
+    const hc_mover *wall = &moving->walls[k];
+    moving->speed = fmax(moving->speed, hc_mover_speed(wall, time, ahead));
     poses[k] = hc_motion_pose(&wall->motion, time);
     if (!held) continue;
     memset(poses[k].velocity, 0, sizeof poses[k].velocity);
@@ -41,7 +41,7 @@ static bool is_moving(const hc_pose *pose) {
   return hc_pose_speed(pose, 1.0) > 0.0;
 }
 
-bool hc_moving_walls_pose(hc_moving_walls *moving, hc_comm *comm, double time, double ahead, bool held) {
+bool hc_movers_pose(hc_movers *moving, hc_comm *comm, double time, double ahead, bool held) {
   if (moving->count == 0 || (moving->posed && moving->time == time && !held)) return false;
   const size_t bytes = (size_t)moving->count * sizeof(hc_pose);
   hc_pose *poses = hc_alloc_zero((size_t)moving->count, sizeof *poses);
@@ -59,7 +59,7 @@ bool hc_moving_walls_pose(hc_moving_walls *moving, hc_comm *comm, double time, d
 }
 
 /* The place of a wall among those that move, or -1. */
-static int find(const hc_moving_walls *moving, int64_t wall) {
+static int find(const hc_movers *moving, int64_t wall) {
   int low = 0, high = moving->count;
   while (low < high) {
     const int middle = low + (high - low) / 2;
@@ -73,7 +73,7 @@ static int find(const hc_moving_walls *moving, int64_t wall) {
 
 /* Finds the walls of particles that mostly come in runs of the same. */
 typedef struct finder {
-  const hc_moving_walls *moving;
+  const hc_movers *moving;
   int64_t wall;
   int found;
 } finder;
@@ -115,11 +115,11 @@ static void place(const hc_frame *frame, const hc_motion *motion, const hc_pose 
   }
 }
 
-void hc_moving_walls_start(hc_particles *boundary) {
+void hc_movers_start(hc_particles *boundary) {
   memcpy(boundary->reference_normal, boundary->normal, 3 * (size_t)boundary->own * sizeof *boundary->normal);
 }
 
-void hc_moving_walls_place(const hc_moving_walls *moving, const hc_frame *frame, hc_particles *boundary) {
+void hc_movers_place(const hc_movers *moving, const hc_frame *frame, hc_particles *boundary) {
   finder finder = {moving, -1, -1};
   for (int32_t k = 0; k < boundary->own; k++) {
     const int found = find_next(&finder, hc_id_source_of(boundary->id[k]));
@@ -142,7 +142,7 @@ static hc_record velocity_of(const hc_frame *frame, const hc_motion *motion, con
   return record;
 }
 
-void hc_moving_walls_drive(const hc_moving_walls *moving, const hc_frame *frame, hc_particles *boundary) {
+void hc_movers_drive(const hc_movers *moving, const hc_frame *frame, hc_particles *boundary) {
   memset(boundary->motion, 0, (size_t)boundary->own * sizeof *boundary->motion);
   if (!moving->moving) return;
   finder finder = {moving, -1, -1};
@@ -154,7 +154,7 @@ void hc_moving_walls_drive(const hc_moving_walls *moving, const hc_frame *frame,
   }
 }
 
-void hc_moving_walls_part(const hc_moving_walls *moving, const hc_particles *boundary, hc_neighbors *list) {
+void hc_movers_part(const hc_movers *moving, const hc_particles *boundary, hc_neighbors *list) {
   if (moving->count == 0) return;
   for (int32_t i = 0; i < boundary->own; i++) {
     const int own = find(moving, (int64_t)boundary->wall[i]);

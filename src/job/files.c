@@ -57,7 +57,7 @@ void hc_job_log_start(hc_job *job) {
   gethostname(host, sizeof host - 1);
   hc_log_info(&job->log, "halocline %s on %d rank%s, first host %s", hc_version(), job->comm->size,
               job->comm->size == 1 ? "" : "s", host);
-  hc_log_info(&job->log, "scene %s from %s", job->scene->name, job->options->files[0]);
+  hc_log_info(&job->log, "scene %s from %s", job->scene->name, job->options->scene_file);
   job->log.echo = NULL; /* said already */
   for (int k = 0; k < job->warnings->count; k++) hc_log_warn(&job->log, "%s", job->warnings->text[k]);
   job->log.echo = stderr;
@@ -203,7 +203,7 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
   hc_log_info(&job->log, "iteration caps hit: density solver %lld, divergence solver %lld of %lld steps",
               (long long)job->counts.density_caps, (long long)job->counts.divergence_caps,
               (long long)simulation->step);
-  if (hc_rollback_is_on(simulation))
+  if (hc_simulation_may_go_back(simulation))
     hc_log_info(&job->log, "rollbacks: %lld, which took back %lld steps",
                 (long long)simulation->rollback.guard.rollbacks, (long long)simulation->rollback.guard.steps);
   for (int k = 0; k < simulation->emitters.count; k++) {
@@ -218,7 +218,10 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
               (unsigned long long)((uint64_t)digest + hc_state_digest_items(&simulation->state)));
   hc_log_info(&job->log, "particles held by wall contacts: %.3g a step on average",
               simulation->step > 0 ? (double)job->counts.contacts / (double)simulation->step : 0.0);
-  hc_balance_summarize(&simulation->balance, &job->log);
+  hc_log_info(&job->log,
+              "rebalances: %lld in %.3f s, %lld particles moved; imbalance of work over the run: %.3f",
+              (long long)simulation->balance.count, simulation->balance.seconds,
+              (long long)simulation->balance.moved, hc_balance_mean_imbalance(&simulation->balance));
   hc_log_info(&job->log, "communication %.1f %% of the time; memory at its highest %.1f MiB on a rank",
               wall > 0.0 ? 100.0 * stages[HC_STAGE_COUNT].seconds.mean / wall : 0.0,
               timings.memory_bytes.max / 1048576.0);

@@ -16,8 +16,6 @@
 #include "state/copy.h"
 #include "stepping/adaptive.h"
 
-typedef struct hc_simulation hc_simulation;
-
 typedef struct hc_rollback {
   hc_state_history history;
   hc_shock_guard guard;
@@ -27,34 +25,22 @@ typedef struct hc_rollback {
   double v_max, force_max; /* m/s, m/s2: of the step that was the shock; 0 if it diverged */
 } hc_rollback;
 
-/* Does the scene's time step ever go back? */
-bool hc_rollback_is_on(const hc_simulation *simulation);
-
 /* Registers what is state, whatever the control: a restart may have another. Local. */
-void hc_rollback_register(hc_simulation *simulation);
+void hc_rollback_register(hc_rollback *rollback, hc_state *state);
+void hc_rollback_free(hc_rollback *rollback);
 
-/* As a step begins: remembers. Local. */
-void hc_rollback_remember(hc_simulation *simulation);
+/* As a step begins that may be taken back: remembers the state. Local. */
+void hc_rollback_remember(hc_rollback *rollback, const hc_state *state);
 
-/* The next step's length after a rollback, s; 0: to be chosen as ever. Local. */
-double hc_rollback_next(const hc_simulation *simulation);
+/* All state goes back by two steps, or one if no more is remembered; fluid particles are at who owned them
+ * then. Returns how many. What is known of shocks goes back too; nothing of that is lost, because the states
+ * that are remembered are all younger than the last rollback. Local. */
+int hc_rollback_return(hc_rollback *rollback, hc_state *state);
 
-/* Has the run gone back as often as it may for one shock? */
-bool hc_rollback_gave_up(const hc_simulation *simulation);
-
-/* After the solver's step of dt, with its report and perhaps a failure in `error`; `before`: the report of
- * the step before. True if it was a shock: then the run is where it was, `error` is taken back, and the world
- * updated. Collective; the same on every rank. */
-bool hc_rollback_if_shock(hc_simulation *simulation, double dt, const hc_step_report *before,
-                          hc_error *error);
-
-/* A step counts: simulation->time is its end. Local. */
-void hc_rollback_pass(hc_simulation *simulation);
-
-/* Around the writing of a checkpoint: shows the state that it must hold, and the present one again, which
- * `now` keeps meanwhile (zeroed; freed by the second). Moving walls follow, other boundary particles stand
- * still. Collective. */
-void hc_rollback_show_resumable(hc_simulation *simulation, hc_state_copy *now);
-void hc_rollback_show_now(hc_simulation *simulation, hc_state_copy *now);
+/* Around the writing of a checkpoint: puts the state there that it must hold, and the present one again,
+ * which `now` keeps meanwhile (zeroed; freed by the second). Boundary particles are not touched. False if
+ * there is nothing to do. Local. */
+bool hc_rollback_show_resumable(hc_rollback *rollback, hc_state *state, hc_state_copy *now);
+bool hc_rollback_show_now(hc_state *state, hc_state_copy *now);
 
 #endif

@@ -1,4 +1,4 @@
-/* A simulation with its files, while it runs: what the parts of `halocline run` share. run.c steps,
+/* A simulation with its files, while it runs: what the parts of `halocline run` share. run.c steps and tells,
  * job_files.c opens, writes and closes, job_restart.c saves and goes on. */
 #ifndef HC_JOB_H
 #define HC_JOB_H
@@ -10,8 +10,20 @@
 #include "io/log.h"
 #include "io/progress.h"
 #include "io/tables.h"
-#include "options.h"
-#include "simulation.h"
+#include "simulation/simulation.h"
+
+/* What a run is told besides its scene; texts are the caller's. */
+typedef struct hc_job_options {
+  const char *scene_file;
+  const char *const *overrides; /* of the scene's keys, for the log */
+  int override_count;
+  const char *output;       /* null: out/NAME */
+  int64_t steps;            /* stop after so many; negative: at the end time */
+  double walltime;          /* s from the launch; 0: no limit */
+  bool restart;             /* go on from a checkpoint, */
+  const char *restart_file; /* from this one; null: the newest */
+  bool force, quiet;        /* overwrite a run; show no progress */
+} hc_job_options;
 
 /* What the ranks know of a step only together. */
 typedef struct hc_job_load {
@@ -35,7 +47,7 @@ typedef struct hc_job_counts {
 /* Log, tables and progress write on rank 0 only; zeroed, they do nothing. */
 typedef struct hc_job {
   hc_comm *comm;
-  const hc_options *options;
+  const hc_job_options *options;
   const hc_scene *scene;
   hc_warnings *warnings; /* of the scene, and of the checkpoints that were passed over */
   hc_simulation simulation;
@@ -61,6 +73,12 @@ typedef struct hc_job {
   double checkpoint_seconds, slowest_step; /* s: the last checkpoint, the slowest step of this session */
   bool stopped;                            /* by a signal or --walltime: exit code 75 */
 } hc_job;
+
+/* A run of the scene, from its start or a checkpoint to its end or until something stops it. Warnings are the
+ * scene's; `launched`: hc_seconds() when the program began. Collective; true if it stopped early, by a signal
+ * or --walltime, with a checkpoint. Errors are agreed. */
+bool hc_job_run(hc_comm *comm, const hc_scene *scene, const hc_job_options *options, hc_warnings *warnings,
+                double launched, hc_error *error);
 
 /* Are there no more steps to do, to the end time or --steps? Local. */
 bool hc_job_is_over(const hc_job *job);

@@ -252,32 +252,6 @@ void hc_failure_explain(hc_simulation *simulation, double dt, const hc_step_repo
                simulation->time, what, particle, dt, hc_step_bound_name(simulation->bound), cause);
 }
 
-/* ---- the snapshot ---- */
-
-hc_status hc_failure_snapshot(hc_simulation *simulation, const char *directory, hc_error *error) {
-  if (simulation->report.fault.kind == HC_FAULT_NONE) return error->status;
-  hc_scene everything = *simulation->scene; /* shallow: only the list of fields is another */
-  static const char *const fields[] = {"velocity", "density", "pressure", "acceleration"};
-  everything.output.snapshot_field_count = sizeof fields / sizeof *fields;
-  for (int k = 0; k < everything.output.snapshot_field_count; k++)
-    snprintf(everything.output.snapshot_fields[k], sizeof everything.output.snapshot_fields[k], "%s",
-             fields[k]);
-  hc_snapshot snapshot = hc_simulation_snapshot(simulation);
-  snapshot.scene = &everything;
-  snapshot.step = simulation->step + 1;
-  hc_error problem = {.status = HC_OK};
-  const bool written = hc_snapshot_write_fault(simulation->comm, &snapshot, directory, &problem) == HC_OK;
-  hc_error whole = {.status = HC_OK};
-  if (written)
-    hc_error_set(&whole, error->status, "%.4000s\n  the moment: %.3000s/snapshots/fault_%06lld.hdf",
-                 error->text, directory, (long long)snapshot.step);
-  else
-    hc_error_set(&whole, error->status, "%.4000s\n  its snapshot could not be written: %.3000s", error->text,
-                 problem.text);
-  *error = whole;
-  return error->status;
-}
-
 /* ---- faults on demand ---- */
 
 /* The first particle by id at or behind the middle of all ids. Collective. */

@@ -113,23 +113,3 @@ bool hc_balance_look(hc_balance *balance, hc_world *world, int64_t step) {
   balance->work_steps = 0;
   return forced || worth;
 }
-
-void hc_balance_log(hc_balance *balance, hc_world *world, int64_t step, hc_log *log) {
-  const hc_division *division = &world->division;
-  balance->ghosts = world->fluid.ghosts;
-  hc_comm_sum_i64(world->comm, &balance->ghosts, 1);
-  hc_log_info(
-      log,
-      "step %lld: rebalanced by %s (%s), %lld bricks of %d cells' edge in %d intervals: imbalance of work "
-      "%.3f, of load %.3f before and %.3f after; %lld particles moved, cut of %lld ghosts, %.4f s",
-      (long long)step, division->divider == HC_DIVIDER_METIS ? "metis" : "slabs", division->way,
-      (long long)division->bricks, 1 << division->bits, division->intervals, balance->imbalance,
-      division->before, division->after, (long long)division->moving, (long long)balance->ghosts,
-      balance->last_seconds);
-}
-
-void hc_balance_summarize(const hc_balance *balance, hc_log *log) {
-  hc_log_info(log, "rebalances: %lld in %.3f s, %lld particles moved; imbalance of work over the run: %.3f",
-              (long long)balance->count, balance->seconds, (long long)balance->moved,
-              hc_balance_mean_imbalance(balance));
-}

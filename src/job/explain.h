@@ -3,7 +3,7 @@
 #define HC_EXPLAIN_H
 
 #include "io/log.h"
-#include "simulation.h"
+#include "simulation/simulation.h"
 
 /* The step that was last explained. */
 typedef struct hc_explained {

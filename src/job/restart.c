@@ -5,7 +5,7 @@
 #include "io/seal.h"
 #include "job.h"
 #include "scene/compare.h"
-#include "scene_input.h"
+#include "setup/scene_input.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -165,11 +165,11 @@ hc_status hc_job_write_checkpoint(hc_job *job, hc_error *error) {
   hc_tables_sync(&job->tables, error); /* rows of steps that the checkpoint has done must be there with it */
   if (hc_comm_agree(job->comm, error) != HC_OK) return error->status;
   hc_state_copy now = {.full = false};
-  hc_rollback_show_resumable(simulation, &now);
-  const hc_snapshot moment = hc_simulation_snapshot(simulation);
-  hc_checkpoint_write(job->comm, &moment, &simulation->state, hc_isa_name(simulation->isa), job->directory,
-                      job->scene->output.checkpoints_keep, &bytes, error);
-  hc_rollback_show_now(simulation, &now);
+  hc_simulation_show_resumable(simulation, &now);
+  const hc_moment moment = hc_simulation_moment(simulation);
+  hc_checkpoint_write(job->comm, job->scene, &moment, &simulation->state, hc_isa_name(simulation->isa),
+                      job->directory, job->scene->output.checkpoints_keep, &bytes, error);
+  hc_simulation_show_now(simulation, &now);
   if (error->status != HC_OK) return error->status;
   job->last_checkpoint = hc_seconds();
   job->checkpoint_seconds = job->last_checkpoint - begin;

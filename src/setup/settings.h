@@ -12,6 +12,16 @@ hc_solver_settings hc_settings_solver(const hc_scene *scene);
 /* What bounds the steps of a scene. */
 hc_step_settings hc_settings_step(const hc_scene *scene);
 
+/* The time step with which the start of a scene settles, s; 0 if it does not. */
+double hc_settings_settle_step(const hc_scene *scene);
+
+/* No step of the scene is longer, s: how far ahead what is prescribed is looked at. */
+double hc_settings_longest_step(const hc_scene *scene);
+
+/* What the choice of the first step needs to know of the initial state: v_max and force_max, from the largest
+ * squared speed of all fluid particles, m2/s2. */
+hc_step_report hc_settings_start_report(const hc_scene *scene, double v2_max);
+
 /* The boundary method, and the factor that its `prepare` takes. */
 const hc_boundary_ops *hc_settings_boundary(const hc_scene *scene);
 double hc_settings_wall_factor(const hc_scene *scene);

@@ -1,5 +1,5 @@
-/* A step that fails: the message that names the particle, its place and the likely cause, and the snapshot of
- * the moment. And faults on demand, for tests. */
+/* A step that fails: the message that names the particle, its place and the likely cause. And faults on
+ * demand, for tests. */
 #ifndef HC_FAILURE_H
 #define HC_FAILURE_H
 
@@ -9,10 +9,6 @@
  * neighbours, likely cause, from what the failed step of length dt left. `before` is the report of the step
  * before it. Collective; the same text on every rank and on any number of them. */
 void hc_failure_explain(hc_simulation *simulation, double dt, const hc_step_report *before, hc_error *error);
-
-/* After hc_simulation_step has failed: writes DIRECTORY/snapshots/fault_NNNNNN.hdf, NNNNNN the failed step,
- * and adds to `error` where it is, or why it could not be written; the status stays. Collective. */
-hc_status hc_failure_snapshot(hc_simulation *simulation, const char *directory, hc_error *error);
 
 /* Makes the faults that the scene asks for at this step (keys faults.*); hc_world_update must follow.
  * Collective. */

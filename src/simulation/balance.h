@@ -12,9 +12,8 @@
 #ifndef HC_BALANCE_H
 #define HC_BALANCE_H
 
-#include "io/log.h"
 #include "scene/scene.h"
-#include "solver/world.h"
+#include "world/world.h"
 
 typedef struct hc_balance {
   const hc_scene *scene;       /* the caller's */
@@ -52,10 +51,6 @@ double hc_balance_note(hc_balance *balance, double largest, double mean);
 
 /* Largest over mean work, over all steps noted. Local. */
 double hc_balance_mean_imbalance(const hc_balance *balance);
-
-/* What run.log says of a rebalance just done, and of all at the end. Collective; local. */
-void hc_balance_log(hc_balance *balance, hc_world *world, int64_t step, hc_log *log);
-void hc_balance_summarize(const hc_balance *balance, hc_log *log);
 
 /* The divider that a scene wants first, and for rebalances. */
 hc_divider hc_balance_first_divider(const hc_scene *scene);

@@ -6,7 +6,7 @@
 #include "base/stopwatch.h"
 #include "boundary/boundary.h"
 #include "domain/halo.h"
-#include "moving_walls.h"
+#include "rigid/movers.h"
 
 typedef struct hc_world {
   hc_comm *comm;
@@ -20,7 +20,7 @@ typedef struct hc_world {
   hc_neighbors wetted;      /* boundary -> fluid, where walls have a pressure of their own */
   hc_record *contacts;      /* see hc_collision; room for contact_room, and as many velocities of walls */
   size_t contact_room;
-  hc_moving_walls moving;
+  hc_movers moving;
   bool walls_moved; /* boundary particles have other positions or velocities than their cells and ghosts */
   const hc_sweeps *sweeps;
   hc_sweep sweep;
@@ -54,7 +54,7 @@ void hc_world_distribute(hc_world *world, hc_divider divider);
  * where they are now. Collective. */
 void hc_world_start(hc_world *world, hc_divider divider);
 
-/* Puts moving walls where they are at a time, s (hc_moving_walls_pose); the next hc_world_update brings all
+/* Puts moving walls where they are at a time, s (hc_movers_pose); the next hc_world_update brings all
  * else in line. Cells, ghosts and lists stay those of before. Does nothing if they are there already, or
  * nothing ever moves. Collective. */
 void hc_world_pose_walls(hc_world *world, double time, double ahead, bool held);

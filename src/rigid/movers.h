@@ -11,52 +11,52 @@
  *
  * Known weakness: while any wall moves, all boundary particles are sorted and get their ghosts anew in each
  * step, which takes 50 to 70 ns for each (one core, 100,000 of them). */
-#ifndef HC_MOVING_WALLS_H
-#define HC_MOVING_WALLS_H
+#ifndef HC_MOVERS_H
+#define HC_MOVERS_H
 
 #include "comm/comm.h"
 #include "rigid/motion.h"
 #include "space/neighbors.h"
 
-typedef struct hc_moving_wall {
+typedef struct hc_mover {
   int wall;         /* its number in the scene */
   hc_motion motion; /* its rows stay the caller's */
   double reach;     /* m: the farthest sample from the motion's centre */
-} hc_moving_wall;
+} hc_mover;
 
 /* Zeroed: none. */
-typedef struct hc_moving_walls {
-  hc_moving_wall *walls; /* own copies, by number */
-  hc_pose *poses;        /* of each */
+typedef struct hc_movers {
+  hc_mover *walls; /* own copies, by number */
+  hc_pose *poses;  /* of each */
   int count;
   bool posed;   /* the poses are those of `time` */
   double time;  /* s */
   bool moving;  /* has any a speed now? */
   double speed; /* m/s: the largest of any sample, now or as far ahead as was asked */
-} hc_moving_walls;
+} hc_movers;
 
 /* The largest speed of a wall at a time, or `ahead` later, m/s. Local. */
-double hc_moving_wall_speed(const hc_moving_wall *wall, double time, double ahead);
+double hc_mover_speed(const hc_mover *wall, double time, double ahead);
 
-/* Copies `count` moving walls, ascending by number. Freed with hc_moving_walls_free. Local. */
-void hc_moving_walls_init(hc_moving_walls *moving, const hc_moving_wall *walls, int count);
-void hc_moving_walls_free(hc_moving_walls *moving);
+/* Copies `count` moving walls, ascending by number. Freed with hc_movers_free. Local. */
+void hc_movers_init(hc_movers *moving, const hc_mover *walls, int count);
+void hc_movers_free(hc_movers *moving);
 
 /* Poses of a time, and `speed` of it and of `ahead` later, s; `held`: as if they stood still. True, on every
  * rank, if a pose has changed. Collective, but local if these are the poses there are. */
-bool hc_moving_walls_pose(hc_moving_walls *moving, hc_comm *comm, double time, double ahead, bool held);
+bool hc_movers_pose(hc_movers *moving, hc_comm *comm, double time, double ahead, bool held);
 
 /* Start of a run, before the first pose: normals as they are become the reference. Local. */
-void hc_moving_walls_start(hc_particles *boundary);
+void hc_movers_start(hc_particles *boundary);
 
 /* Puts own boundary particles of moving walls where the poses say: position and normal. Local. */
-void hc_moving_walls_place(const hc_moving_walls *moving, const hc_frame *frame, hc_particles *boundary);
+void hc_movers_place(const hc_movers *moving, const hc_frame *frame, hc_particles *boundary);
 
 /* Gives all own boundary particles their velocity, in `motion`; 0 where nothing moves. Local. */
-void hc_moving_walls_drive(const hc_moving_walls *moving, const hc_frame *frame, hc_particles *boundary);
+void hc_movers_drive(const hc_movers *moving, const hc_frame *frame, hc_particles *boundary);
 
 /* Leaves in the list of boundary particles into themselves only neighbours that move alike: of the same
  * moving wall, or of walls that never move. The field `wall` must be known, of ghosts too. Local. */
-void hc_moving_walls_part(const hc_moving_walls *moving, const hc_particles *boundary, hc_neighbors *list);
+void hc_movers_part(const hc_movers *moving, const hc_particles *boundary, hc_neighbors *list);
 
 #endif

@@ -2,7 +2,6 @@
 
 #include "setup/rest_lattice.h"
 #include "setup/source.h"
-#include "simulation.h"
 
 #include <math.h>
 #include <string.h>
@@ -100,7 +99,7 @@ static double fluid_height(const hc_scene *scene, double gravity) {
 
 static hc_adaptive_settings adaptive_settings_of(const hc_scene *scene) {
   const hc_time_adaptive *a = &scene->time_step.adaptive;
-  const double gravity = hc_simulation_start_report(scene, 0.0).force_max;
+  const double gravity = hc_settings_start_report(scene, 0.0).force_max;
   return (hc_adaptive_settings){
       .error_avg = scene->solver.density_error_avg,
       .error_max = hc_scene_density_error_max(scene),
@@ -189,4 +188,24 @@ double hc_settings_wall_factor(const hc_scene *scene) {
   const double ratio = scene->particle_spacing / scene->support_radius;
   if (scene->boundary.method != HC_BOUNDARY_AKINCI2012) return hc_setup_wall_share(ratio);
   return scene->boundary.volume_factor > 0.0 ? scene->boundary.volume_factor : hc_setup_wall_factor(ratio);
+}
+
+hc_step_report hc_settings_start_report(const hc_scene *scene, double v2_max) {
+  double force = 0.0;
+  for (int axis = 0; axis < 3; axis++) force += scene->gravity[axis] * scene->gravity[axis];
+  return (hc_step_report){.v_max = sqrt(v2_max), .force_max = sqrt(force)};
+}
+
+double hc_settings_settle_step(const hc_scene *scene) {
+  if (scene->fluid.settle_steps == 0) return 0.0;
+  if (scene->time_step.control == HC_TIME_CONSTANT) return scene->time_step.size;
+  if (scene->time_step.control == HC_TIME_CFL) return scene->time_step.max;
+  const hc_step_settings settings = hc_settings_step(scene);
+  const hc_step_report still = {.v_max = 0.0};
+  hc_step_bound unused;
+  return hc_time_step_next(&settings, 0.0, 0.0, &still, &unused);
+}
+
+double hc_settings_longest_step(const hc_scene *scene) {
+  return fmax(scene->time_step.max, scene->time_step.size);
 }

@@ -1,15 +1,15 @@
-/* A run without its files: the scene turned into a world, and the step that reads top to bottom. */
+/* A run in memory, without its files: the scene turned into a world. See step.h for what it does then. */
 #ifndef HC_SIMULATION_H
 #define HC_SIMULATION_H
 
 #include "balance.h"
-#include "io/snapshot.h"
 #include "leaving.h"
 #include "rollback.h"
 #include "scene/scene.h"
 #include "setup/populate.h"
 #include "setup/prescribed.h"
 #include "solver/solver.h"
+#include "state/moment.h"
 #include "state/state.h"
 #include "stepping/time_step.h"
 
@@ -60,13 +60,8 @@ void hc_simulation_free(hc_simulation *simulation);
 /* Has the run reached its end time? */
 bool hc_simulation_done(const hc_simulation *simulation);
 
-/* One step. Particles that have left the world are taken out first, if the scene says so. With adaptive steps
- * it may take a step or two back instead: rollback.back says how many, and step, time and all state are those
- * of then. Collective.
- * HC_FAILED (agreed) if the simulation diverged or a particle left the world: the message names the particle,
- * its place and the likely cause, report.fault the fault; nothing but a snapshot of the moment makes sense
- * afterwards. */
-hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error);
+/* May the run's steps be taken back? Local. */
+bool hc_simulation_may_go_back(const hc_simulation *simulation);
 
 /* Puts moving walls where they stand at simulation->time; hc_world_update must follow. Collective. */
 void hc_simulation_pose_walls(hc_simulation *simulation);
@@ -75,15 +70,20 @@ void hc_simulation_pose_walls(hc_simulation *simulation);
  * Local. */
 hc_step_report hc_simulation_seen_by_control(const hc_simulation *simulation);
 
-/* The time step with which the start of a scene settles, s; 0 if it does not. Local. */
-double hc_simulation_settle_step(const hc_scene *scene);
-
 /* The moment to be written; borrows from the simulation. Local. */
-hc_snapshot hc_simulation_snapshot(const hc_simulation *simulation);
+hc_moment hc_simulation_moment(const hc_simulation *simulation);
 
-/* What the choice of the first step needs to know of the initial state: v_max and force_max, from the largest
- * squared speed of all fluid particles, m2/s2; and that of the own ones. Local. */
-hc_step_report hc_simulation_start_report(const hc_scene *scene, double v2_max);
+/* Around the writing of a checkpoint: shows the state that it must hold (see rollback.h), and the present one
+ * again, which `now` keeps meanwhile (zeroed; freed by the second). Moving walls follow, other boundary
+ * particles stand still. Collective. */
+void hc_simulation_show_resumable(hc_simulation *simulation, hc_state_copy *now);
+void hc_simulation_show_now(hc_simulation *simulation, hc_state_copy *now);
+
+/* Gives the fields that steps derive a meaning where no step has been: densities; no pressure, no
+ * acceleration. Collective. */
+void hc_simulation_fill_derived(hc_simulation *simulation);
+
+/* The largest squared speed of own particles, m2/s2. Local. */
 double hc_simulation_fastest(const hc_particles *fluid);
 
 /* The largest speed that the scene prescribes for the start of a run, m/s: it counts as that of the fluid in

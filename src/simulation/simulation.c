@@ -1,10 +1,9 @@
 #include "simulation.h"
 
 #include "base/memory.h"
-#include "estimate.h"
-#include "failure.h"
-#include "settings.h"
+#include "footprint.h"
 #include "setup/rest_lattice.h"
+#include "setup/settings.h"
 #include "setup/world_frame.h"
 
 #include <math.h>
@@ -19,7 +18,7 @@ static hc_isa agree_on_isa(hc_comm *comm) {
 /* Where memory is promised before it is there, running out of it kills: so what cannot fit is refused. */
 static hc_status check_memory(hc_comm *comm, const hc_scene *scene, const hc_setup_plan *plan,
                               hc_error *error) {
-  const double needed = hc_estimate_least_memory(scene, plan, comm->size), gibibyte = 1 << 30;
+  const double needed = hc_footprint_least(scene, plan, comm->size), gibibyte = 1 << 30;
   const int sharing = hc_comm_machine_ranks(comm);
   const double share = (double)hc_memory_machine() / sharing, allowed = (double)hc_memory_allowed();
   const double most = share < allowed ? share : allowed;
@@ -34,24 +33,10 @@ static hc_status check_memory(hc_comm *comm, const hc_scene *scene, const hc_set
   return hc_comm_agree(comm, error);
 }
 
-double hc_simulation_settle_step(const hc_scene *scene) {
-  if (scene->fluid.settle_steps == 0) return 0.0;
-  if (scene->time_step.control == HC_TIME_CONSTANT) return scene->time_step.size;
-  if (scene->time_step.control == HC_TIME_CFL) return scene->time_step.max;
-  const hc_step_settings settings = hc_settings_step(scene);
-  const hc_step_report still = {.v_max = 0.0};
-  hc_step_bound unused;
-  return hc_time_step_next(&settings, 0.0, 0.0, &still, &unused);
-}
-
-/* How far ahead what is prescribed is looked at: no step is longer. */
-static double longest_step(const hc_scene *scene) {
-  return fmax(scene->time_step.max, scene->time_step.size);
-}
-
-/* Puts moving walls where they stand now. */
+/* Puts moving walls where they stand now; `held`: without their speed. */
 static void pose_walls(hc_simulation *simulation, bool held) {
-  hc_world_pose_walls(&simulation->world, simulation->time, longest_step(simulation->scene), held);
+  hc_world_pose_walls(&simulation->world, simulation->time, hc_settings_longest_step(simulation->scene),
+                      held);
 }
 
 void hc_simulation_pose_walls(hc_simulation *simulation) {
@@ -60,7 +45,7 @@ void hc_simulation_pose_walls(hc_simulation *simulation) {
 
 double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_prescribed_motions *motions,
                                       const hc_emitters *emitters) {
-  return hc_prescribed_speed(motions, emitters, 0.0, longest_step(scene));
+  return hc_prescribed_speed(motions, emitters, 0.0, hc_settings_longest_step(scene));
 }
 
 /* Lets the start come to rest: steps of gravity and pressure that forget all momentum; then every particle
@@ -70,7 +55,7 @@ static hc_status settle(hc_simulation *simulation, hc_error *error) {
   hc_particles *fluid = &world->fluid;
   hc_solver_settings settings = simulation->solver_settings;
   settings.viscosity = HC_VISCOUS_NONE;
-  const double dt = hc_simulation_settle_step(simulation->scene);
+  const double dt = hc_settings_settle_step(simulation->scene);
   for (int step = 0; step < simulation->scene->fluid.settle_steps; step++) {
     memset(fluid->velocity, 0, 3 * (size_t)fluid->own * sizeof *fluid->velocity);
     hc_world_update(world);
@@ -93,7 +78,7 @@ static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   hc_setup_generate(&simulation->plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
   if (hc_comm_agree(comm, error) != HC_OK) return error->status;
-  hc_moving_walls_start(&world->boundary);
+  hc_movers_start(&world->boundary);
   pose_walls(simulation, simulation->scene->fluid.settle_steps > 0);
   hc_world_start(world, hc_balance_first_divider(simulation->scene));
   if (simulation->scene->fluid.settle_steps > 0 && settle(simulation, error) != HC_OK) return error->status;
@@ -111,14 +96,7 @@ double hc_simulation_fastest(const hc_particles *fluid) {
   return largest;
 }
 
-hc_step_report hc_simulation_start_report(const hc_scene *scene, double v2_max) {
-  double force = 0.0;
-  for (int axis = 0; axis < 3; axis++) force += scene->gravity[axis] * scene->gravity[axis];
-  return (hc_step_report){.v_max = sqrt(v2_max), .force_max = sqrt(force)};
-}
-
-/* Gives the fields that steps derive a meaning in the first snapshot too. */
-static void fill_derived(hc_simulation *simulation) {
+void hc_simulation_fill_derived(hc_simulation *simulation) {
   hc_particles *fluid = &simulation->world.fluid;
   memset(fluid->pressure, 0, (size_t)fluid->own * sizeof *fluid->pressure);
   simulation->solver->densities(&simulation->world, &simulation->solver_settings);
@@ -136,7 +114,9 @@ static void register_state(hc_simulation *simulation) {
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->capped_at, "capped_at");
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->world.fluid_total, "fluid_total");
   hc_emitters_register(&simulation->emitters, state);
-  hc_rollback_register(simulation);
+  hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_avg, "density_error_avg");
+  hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_max, "density_error_max");
+  hc_rollback_register(&simulation->rollback, state);
 }
 
 /* Fluid that is squeezed from the start, as too near to a wall, explodes: the pressure that pushes it apart
@@ -174,7 +154,7 @@ static hc_status plan_particles(hc_simulation *simulation, hc_error *error) {
     check_memory(simulation->comm, scene, plan, error);
   if (hc_comm_agree(simulation->comm, error) != HC_OK) return error->status;
   simulation->motions = hc_prescribed_motions_make(scene, plan);
-  hc_moving_walls_init(&simulation->world.moving, simulation->motions.walls, simulation->motions.count);
+  hc_movers_init(&simulation->world.moving, simulation->motions.walls, simulation->motions.count);
   register_state(simulation);
   return HC_OK;
 }
@@ -211,12 +191,12 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
 hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   if (fill_world(simulation, error) != HC_OK) return error->status;
-  fill_derived(simulation);
+  hc_simulation_fill_derived(simulation);
   if (refuse_dense_start(simulation, error) != HC_OK) return error->status;
   simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
   double v2_max = hc_simulation_fastest(&world->fluid);
   hc_comm_max_f64(simulation->comm, &v2_max, 1);
-  simulation->report = hc_simulation_start_report(simulation->scene, v2_max);
+  simulation->report = hc_settings_start_report(simulation->scene, v2_max);
   return HC_OK;
 }
 
@@ -239,7 +219,7 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
 
 void hc_simulation_free(hc_simulation *simulation) {
   hc_setup_plan_free(&simulation->plan);
-  hc_state_history_free(&simulation->rollback.history);
+  hc_rollback_free(&simulation->rollback);
   hc_prescribed_motions_free(&simulation->motions);
   hc_emitters_free(&simulation->emitters);
   hc_state_free(&simulation->state);
@@ -250,104 +230,37 @@ bool hc_simulation_done(const hc_simulation *simulation) {
   return simulation->time >= simulation->scene->end_time;
 }
 
+bool hc_simulation_may_go_back(const hc_simulation *simulation) {
+  return simulation->step_settings.control == HC_STEP_ADAPTIVE;
+}
+
 /* Bodies will raise v_max here too. */
 hc_step_report hc_simulation_seen_by_control(const hc_simulation *simulation) {
   hc_step_report report = simulation->report;
   report.v_max = fmax(report.v_max, simulation->world.moving.speed);
   report.v_max = fmax(report.v_max, hc_emitters_speed(&simulation->emitters, simulation->time,
-                                                      longest_step(simulation->scene)));
+                                                      hc_settings_longest_step(simulation->scene)));
   return report;
 }
 
-static double choose_step(hc_simulation *simulation) {
-  const hc_step_settings *settings = &simulation->step_settings;
-  const double replay = hc_rollback_next(simulation);
-  const hc_step_report seen = hc_simulation_seen_by_control(simulation);
-  if (replay == 0.0)
-    return hc_time_step_next(settings, simulation->time, simulation->dt, &seen, &simulation->bound);
-  simulation->bound = HC_BOUND_SHOCK;
-  return hc_time_step_to_end(settings, simulation->time, replay, &simulation->bound);
-}
-
-/* The step itself: the solver's, between the watches over its length and over the world's limits. */
-static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) {
-  hc_world *world = &simulation->world;
-  hc_fault *fault = &simulation->report.fault;
-  const bool gave_up = hc_rollback_gave_up(simulation);
-  if (gave_up || hc_time_step_too_small(&simulation->step_settings, simulation->time, dt)) {
-    fill_derived(simulation);
-    hc_fault_note(fault, HC_FAULT_TIME_STEP, -1.0, INT64_MAX); /* also where no particle is left */
-    hc_fault_watch_fastest(world, HC_FAULT_TIME_STEP, fault);
-    hc_fault_agree(world->comm, dt, fault, error);
-    if (gave_up)
-      hc_error_set(error, HC_FAILED, "a shock came again in each of %d replays",
-                   simulation->step_settings.adaptive.most_restarts);
-    return error->status;
-  }
-  if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
-                               error) != HC_OK)
-    return error->status;
-  if (simulation->scene->domain.leaving == HC_LEAVING_REMOVE) return HC_OK;
-  hc_leaving_watch(world, &simulation->limits, fault);
-  return hc_fault_agree(world->comm, dt, fault, error);
-}
-
-/* The neighbourhoods of the moment, with what the emitters bring in: a place is free or not among the
- * particles as they are before. */
-static void meet(hc_simulation *simulation) {
-  hc_world *world = &simulation->world;
-  hc_emitters *emitters = &simulation->emitters;
-  pose_walls(simulation, false);
-  if (simulation->step > 0 || world->walls_moved) hc_world_update(world);
-  int64_t blocked = 0;
-  for (int k = 0; k < emitters->count; k++) blocked -= emitters->emitters[k].blocked;
-  simulation->emitted =
-      hc_emitters_release(emitters, &world->domain, &world->cells, &world->fluid, simulation->time);
-  for (int k = 0; k < emitters->count; k++) blocked += emitters->emitters[k].blocked;
-  simulation->blocked = blocked;
-  if (simulation->emitted == 0) return;
-  world->fluid_total += simulation->emitted;
-  hc_world_update(world);
-}
-
-hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
-  hc_world *world = &simulation->world;
-  const hc_step_report before = simulation->report;
-  hc_rollback_remember(simulation);
-  simulation->departures.count = 0;
-  if (simulation->step > 0) {
-    if (simulation->scene->domain.leaving == HC_LEAVING_REMOVE)
-      hc_leaving_remove(world, &simulation->limits, &simulation->departures);
-    hc_failure_inject(simulation);
-    simulation->rebalanced = hc_balance_look(&simulation->balance, world, simulation->step);
-  }
-  hc_balance_start(&simulation->balance, simulation->comm);
-  meet(simulation);
-  const double dt = choose_step(simulation);
-  advance(simulation, dt, error);
-  hc_balance_stop(&simulation->balance, simulation->comm);
-  if (hc_rollback_if_shock(simulation, dt, &before, error)) return HC_OK;
-  if (error->status != HC_OK) {
-    hc_failure_explain(simulation, dt, &before, error);
-    return error->status;
-  }
-  simulation->dt = dt;
-  simulation->step++;
-  simulation->time = simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
-  if (simulation->report.density_capped) simulation->capped_at = simulation->step;
-  hc_rollback_pass(simulation);
-  pose_walls(simulation, false);
-  return HC_OK;
-}
-
-hc_snapshot hc_simulation_snapshot(const hc_simulation *simulation) {
+hc_moment hc_simulation_moment(const hc_simulation *simulation) {
   const hc_world *world = &simulation->world;
-  return (hc_snapshot){.scene = simulation->scene,
-                       .frame = &world->frame,
-                       .fluid = &world->fluid,
-                       .boundary = &world->boundary,
-                       .step = simulation->step,
-                       .time = simulation->time,
-                       .dt = simulation->dt,
-                       .particle_mass = world->mass};
+  return (hc_moment){.frame = &world->frame,
+                     .fluid = &world->fluid,
+                     .boundary = &world->boundary,
+                     .step = simulation->step,
+                     .time = simulation->time,
+                     .dt = simulation->dt,
+                     .particle_mass = world->mass};
+}
+
+void hc_simulation_show_resumable(hc_simulation *simulation, hc_state_copy *now) {
+  if (hc_rollback_show_resumable(&simulation->rollback, &simulation->state, now))
+    hc_simulation_pose_walls(simulation);
+}
+
+void hc_simulation_show_now(hc_simulation *simulation, hc_state_copy *now) {
+  if (!hc_rollback_show_now(&simulation->state, now)) return;
+  hc_simulation_pose_walls(simulation);
+  hc_world_update(&simulation->world);
 }

@@ -39,7 +39,7 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
 }
 
 void hc_world_free(hc_world *world) {
-  hc_moving_walls_free(&world->moving);
+  hc_movers_free(&world->moving);
   hc_halo_free(&world->halo);
   hc_halo_free(&world->boundary_halo);
   hc_neighbors_free(&world->list);
@@ -94,7 +94,7 @@ static void place_boundary(hc_world *world) {
   face(boundary);
   for (int32_t k = 0; k < boundary->own; k++) boundary->place[k].scalar = boundary->volume[k];
   hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
-  hc_moving_walls_drive(&world->moving, &world->frame, boundary);
+  hc_movers_drive(&world->moving, &world->frame, boundary);
   hc_halo_refresh(&world->boundary_halo, HC_HALO_MOTION);
   hc_halo_refresh(&world->boundary_halo, HC_HALO_FACING);
   world->walls_moved = false;
@@ -106,15 +106,15 @@ static void measure_boundary(hc_world *world) {
   hc_neighbors_init(&list);
   hc_neighbors_build(&list, &world->search, &world->boundary_cells, &world->boundary, &world->boundary_cells,
                      &world->boundary);
-  hc_moving_walls_part(&world->moving, &world->boundary, &list);
+  hc_movers_part(&world->moving, &world->boundary, &list);
   world->boundary_ops->prepare(world->sweeps, &world->sweep, &world->boundary, &list, world->volume_factor);
   hc_neighbors_free(&list);
   hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
 }
 
 void hc_world_pose_walls(hc_world *world, double time, double ahead, bool held) {
-  if (!hc_moving_walls_pose(&world->moving, world->comm, time, ahead, held)) return;
-  hc_moving_walls_place(&world->moving, &world->frame, &world->boundary);
+  if (!hc_movers_pose(&world->moving, world->comm, time, ahead, held)) return;
+  hc_movers_place(&world->moving, &world->frame, &world->boundary);
   world->sweep.walls_move = world->moving.moving;
   world->walls_moved = true;
 }
