@@ -38,50 +38,51 @@ static void bench(const char *name, work *run, hc_world *world, int repeats) {
     seconds[k] = cpu_seconds() - start;
   }
   qsort(seconds, (size_t)repeats, sizeof *seconds, ascending);
-  const double scale = 1e9 / world->fluid.own;
+  const double scale = 1e9 / world->fluid->own;
   printf("%-34s %8.1f %8.1f\n", name, scale * seconds[0], scale * seconds[repeats / 2]);
 }
 
 static void run_sort(hc_world *world) {
-  hc_cells_bin(&world->cells, &world->fluid);
-  hc_halo_mark(&world->halo, &world->cells);
-  hc_cells_order(&world->cells, &world->fluid);
-  hc_halo_build(&world->halo, &world->cells);
+  hc_cells_bin(world->cells, world->fluid);
+  hc_halo_mark(world->halo, world->cells);
+  hc_cells_order(world->cells, world->fluid);
+  hc_halo_build(world->halo, world->cells);
 }
 
 static void run_list(hc_world *world) {
-  hc_neighbors_build(&world->list, &world->search, &world->cells, &world->fluid, &world->cells,
-                     &world->fluid);
+  hc_neighbors_build(&world->list, &world->search, world->cells, world->fluid, hc_select_all(world->fluid),
+                     &(hc_neighbor_source){world->cells, world->fluid}, 1);
 }
 
 static void run_walls(hc_world *world) {
-  hc_neighbors_build(&world->walls, &world->search, &world->cells, &world->fluid, &world->boundary_cells,
-                     &world->boundary);
+  hc_neighbors_build(&world->walls, &world->search, world->cells, world->fluid, hc_select_all(world->fluid),
+                     &(hc_neighbor_source){&world->stores[HC_STORE_BOUNDARY].cells, world->boundary}, 1);
 }
 
 static void run_density(hc_world *world) {
-  world->sweeps->density(&world->sweep, 0, world->fluid.own);
+  world->sweeps->density(&world->sweep, hc_select_all(world->fluid));
 }
 
 static void run_error(hc_world *world) {
   const hc_error_rule rule = {1.0f, 1e-3f, 0, false, 1.0f};
   hc_error_total total;
   memset(&total, 0, sizeof total);
-  world->sweeps->error(&world->sweep, &rule, 0, world->fluid.own, &total);
+  world->sweeps->error(&world->sweep, &rule, hc_select_all(world->fluid), &total);
 }
 
 static void run_pressure(hc_world *world) {
-  world->sweeps->pressure(&world->sweep, 1e-6f, world->fluid.pressure_multiplier, 0, world->fluid.own);
+  world->sweeps->pressure(&world->sweep, 1e-6f, world->fluid->pressure_multiplier,
+                          hc_select_all(world->fluid));
 }
 
 static void run_xsph(hc_world *world) {
-  float *change = hc_particles_scratch(&world->fluid, 3 * sizeof *change);
-  world->sweeps->xsph(&world->sweep, 0.02f, change, 0, world->fluid.own);
+  float *change = hc_particles_scratch(world->fluid, 3 * sizeof *change);
+  world->sweeps->xsph(&world->sweep, 0.02f, change, hc_select_all(world->fluid));
 }
 
 static void run_laminar(hc_world *world) {
-  float *change = hc_particles_scratch(&world->fluid, 3 * sizeof *change);
-  world->sweeps->laminar(&world->sweep, 1e-6f, change, 0, world->fluid.own);
+  float *change = hc_particles_scratch(world->fluid, 3 * sizeof *change);
+  world->sweeps->laminar(&world->sweep, 1e-6f, change, hc_select_all(world->fluid));
 }
 
 /* STREAM triad (McCalpin 1995): bytes moved per second as STREAM counts them. */
@@ -107,12 +108,12 @@ static double triad(void) {
 
 static void disturb(hc_world *world) {
   srand(1);
-  for (int32_t k = 0; k < world->fluid.own; k++) {
+  for (int32_t k = 0; k < world->fluid->own; k++) {
     for (int axis = 0; axis < 3; axis++) {
       const double random = (double)rand() / RAND_MAX - 0.5;
-      world->fluid.position[3 * (size_t)k + axis] +=
+      world->fluid->position[3 * (size_t)k + axis] +=
           (int64_t)(0.4 * random * (double)world->frame.spacing[axis]);
-      world->fluid.velocity[3 * (size_t)k + axis] = (double)rand() / RAND_MAX - 0.5;
+      world->fluid->velocity[3 * (size_t)k + axis] = (double)rand() / RAND_MAX - 0.5;
     }
   }
 }
@@ -140,7 +141,7 @@ int main(int argc, char **argv) {
   hc_world_update(world);
   run_density(world);
   printf("particles %d, boundary %d, neighbours %.2f, instruction set %s, STREAM triad %.1f GB/s\n",
-         world->fluid.own, world->boundary.own, (double)world->list.pairs / world->fluid.own,
+         world->fluid->own, world->boundary->own, (double)world->list.pairs / world->fluid->own,
          hc_isa_name(simulation.isa), 1e-9 * triad());
   printf("%-34s %8s %8s\n", "ns per fluid particle", "least", "median");
   bench("sort (bin, order, permute)", run_sort, world, repeats);

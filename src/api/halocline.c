@@ -117,8 +117,8 @@ hc_run_facts hc_run_facts_of(const hc_run *run) {
                         .particle_mass = world->mass,
                         .fluid = world->fluid_total,
                         .boundary = world->boundary_total,
-                        .own_fluid = world->fluid.own,
-                        .own_boundary = world->boundary.own,
+                        .own_fluid = world->fluid->own,
+                        .own_boundary = world->boundary->own + world->moving->own,
                         .kinetic_energy = stepped ? report->kinetic_energy : NAN,
                         .potential_energy = stepped ? report->potential_energy : NAN,
                         .density_error = stepped ? report->density_error_avg : NAN,
@@ -127,30 +127,39 @@ hc_run_facts hc_run_facts_of(const hc_run *run) {
                         .divergence_iterations = report->divergence_iterations};
 }
 
-/* Zeros where the kind lacks the field. */
-static void copy_field(void *to, const hc_particles *particles, int field) {
+/* Own values of a field into `to`, behind those of `skip` particles; zeros where the store lacks the field.
+ */
+static void copy_field(char *to, int64_t skip, const hc_particles *store, int field) {
   if (!to) return;
-  const size_t bytes = (size_t)particles->own * hc_fields[field].bytes;
-  if (particles->data[field])
-    memcpy(to, particles->data[field], bytes);
+  const size_t bytes = hc_fields[field].bytes;
+  to += (size_t)skip * bytes;
+  if (store->data[field])
+    memcpy(to, store->data[field], (size_t)store->own * bytes);
   else
-    memset(to, 0, bytes);
+    memset(to, 0, (size_t)store->own * bytes);
+}
+
+static void copy_store(const hc_run_particles *to, int64_t skip, const hc_frame *frame,
+                       const hc_particles *store) {
+  for (int64_t k = 0; to->position && k < 3 * (int64_t)store->own; k++)
+    to->position[3 * skip + k] = hc_frame_to_metres(frame, (int)(k % 3), store->position[k]);
+  copy_field((char *)to->velocity, skip, store, HC_FIELD_velocity);
+  copy_field((char *)to->density, skip, store, HC_FIELD_density);
+  copy_field((char *)to->pressure, skip, store, HC_FIELD_pressure);
+  copy_field((char *)to->id, skip, store, HC_FIELD_id);
 }
 
 hc_status hc_run_get(const hc_run *run, hc_run_kind kind, const hc_run_particles *particles, int64_t room,
                      hc_error *error) {
   const hc_world *world = &run->simulation.world;
-  const hc_particles *own = kind == HC_RUN_FLUID ? &world->fluid : &world->boundary;
-  if (room < own->own)
-    return hc_error_set(error, HC_BAD_INPUT, "the arrays must have room for %d particles, have %lld",
-                        own->own, (long long)room);
-  if (particles->position)
-    for (int64_t k = 0; k < 3 * (int64_t)own->own; k++)
-      particles->position[k] = hc_frame_to_metres(&world->frame, (int)(k % 3), own->position[k]);
-  copy_field(particles->velocity, own, HC_FIELD_velocity);
-  copy_field(particles->density, own, HC_FIELD_density);
-  copy_field(particles->pressure, own, HC_FIELD_pressure);
-  copy_field(particles->id, own, HC_FIELD_id);
+  const bool fluid = kind == HC_RUN_FLUID;
+  const hc_particles *first = fluid ? world->fluid : world->boundary;
+  const int64_t own = (int64_t)first->own + (fluid ? 0 : world->moving->own);
+  if (room < own)
+    return hc_error_set(error, HC_BAD_INPUT, "the arrays must have room for %lld particles, have %lld",
+                        (long long)own, (long long)room);
+  copy_store(particles, 0, &world->frame, first);
+  if (!fluid) copy_store(particles, first->own, &world->frame, world->moving);
   return HC_OK;
 }
 

@@ -88,20 +88,23 @@ static hc_status survey(const hc_setup_plan *plan, tally *blocks, tally *walls, 
                         hc_error *error) {
   const int64_t most = plan->fluid_count > plan->boundary_count ? plan->fluid_count : plan->boundary_count;
   const int parts = (int)(most / AT_A_TIME) + 1;
-  hc_particles fluid, boundary;
-  hc_particles_init(&fluid, HC_FLUID);
-  hc_particles_init(&boundary, HC_BOUNDARY);
+  hc_particles fluid, boundary, moving;
+  hc_particles_init(&fluid, HC_FLUID, 0);
+  hc_particles_init(&boundary, HC_BOUNDARY, 0);
+  hc_particles_init(&moving, HC_BOUNDARY | HC_MOVED, 0);
   hc_status status = HC_OK;
   *v2_max = 0.0;
   for (int part = 0; status == HC_OK && part < parts; part++) {
-    status = hc_setup_generate(plan, part, parts, &fluid, &boundary, error);
+    status = hc_setup_generate(plan, part, parts, &fluid, &boundary, &moving, error);
     if (status != HC_OK) break;
     count_particles(&fluid, blocks, plan->fluid_sources);
     count_particles(&boundary, walls, plan->boundary_sources);
+    count_particles(&moving, walls, plan->boundary_sources);
     *v2_max = fmax(*v2_max, hc_simulation_fastest(&fluid));
   }
   hc_particles_free(&fluid);
   hc_particles_free(&boundary);
+  hc_particles_free(&moving);
   return status;
 }
 
@@ -177,8 +180,8 @@ static void estimate_memory(const hc_scene *scene, hc_estimate *estimate) {
     ghosts += boundary / ranks * ghost_share(scene, &estimate->boundary, axis, estimate->ranks);
   estimate->memory_program = HC_FOOTPRINT_PROGRAM + (reads_meshes(scene) ? READING_MESHES : 0);
   estimate->memory_fluid = hc_footprint_fluid(scene) * own_fluid;
-  estimate->memory_boundary = HC_FOOTPRINT_WALL * own_boundary;
-  estimate->memory_ghosts = HC_FOOTPRINT_GHOST * ghosts;
+  estimate->memory_boundary = hc_footprint_wall(scene) * own_boundary;
+  estimate->memory_ghosts = hc_footprint_ghost(scene) * ghosts;
   estimate->memory_writing = WRITING * fmin(own_fluid + own_boundary, WRITING_SLICE);
   estimate->memory = estimate->memory_program + estimate->memory_fluid + estimate->memory_boundary +
                      estimate->memory_ghosts + estimate->memory_writing;
@@ -196,9 +199,9 @@ static hc_status estimate_output(const hc_scene *scene, hc_estimate *estimate, h
   if (scene->time_step.control == HC_TIME_CONSTANT && estimate->snapshots > estimate->steps + 1)
     estimate->snapshots = estimate->steps + 1;
   estimate->snapshot_bytes = (double)bytes;
-  estimate->checkpoint_bytes =
-      (double)estimate->fluid_most * (double)hc_particles_state_bytes(HC_FLUID) +
-      (double)estimate->boundary.count * (double)hc_particles_state_bytes(HC_BOUNDARY) + CHECKPOINT_HEADERS;
+  estimate->checkpoint_bytes = (double)estimate->fluid_most * hc_footprint_fluid_state(scene) +
+                               (double)estimate->boundary.count * hc_footprint_wall_state(scene) +
+                               CHECKPOINT_HEADERS;
   const int every_steps = scene->output.checkpoints_every_steps;
   const bool many = every_steps > 0 && estimate->steps > every_steps;
   double readings = (double)estimate->steps;
@@ -229,8 +232,7 @@ static void estimate_emitters(const hc_scene *scene, const hc_emitters *emitters
   }
 }
 
-static void estimate_motions(const hc_scene *scene, const hc_prescribed_motions *motions,
-                             hc_estimate *estimate) {
+static void estimate_motions(const hc_scene *scene, const hc_movers *motions, hc_estimate *estimate) {
   estimate->swept = hc_alloc((size_t)scene->boundary.wall_count, sizeof *estimate->swept);
   for (int k = 0; k < scene->boundary.wall_count; k++) estimate->swept[k] = empty_set();
   for (int k = 0; k < motions->count; k++) {
@@ -264,11 +266,11 @@ static hc_status estimate_from_plan(const hc_scene *scene, const hc_setup_plan *
   if (status == HC_OK) status = estimate_limits(scene, plan, &emitters, estimate, error);
   if (status == HC_OK) status = estimate_particles(plan, estimate, &v2_max, error);
   if (status == HC_OK) {
-    hc_prescribed_motions motions = hc_prescribed_motions_make(scene, plan);
+    hc_movers motions = hc_prescribed_movers_make(scene, plan);
     estimate_emitters(scene, &emitters, estimate);
     estimate_motions(scene, &motions, estimate);
     estimate_steps(scene, v2_max, hc_simulation_prescribed_speed(scene, &motions, &emitters), estimate);
-    hc_prescribed_motions_free(&motions);
+    hc_movers_free(&motions);
   }
   hc_emitters_free(&emitters);
   return status;

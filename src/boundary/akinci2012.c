@@ -15,12 +15,9 @@
  * thrown out. Fluid at rest stays a spacing away and never notices. */
 #include "boundary.h"
 
-#include <string.h>
-
 static void prepare(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
                     const hc_neighbors *list, double factor) {
   sweeps->boundary_volume(sweep, boundary, list, (float)factor);
-  memset(boundary->boundary_share, 0, (size_t)boundary->own * sizeof *boundary->boundary_share);
 }
 
 static int64_t contact(hc_particles *fluid, double rest_density, double limit, double dt) {
@@ -30,7 +27,7 @@ static int64_t contact(hc_particles *fluid, double rest_density, double limit, d
     if (room == limit) continue; /* no wall near */
     const float *gradient = &fluid->wall_gradient[3 * (size_t)i];
     double *velocity = &fluid->velocity[3 * (size_t)i];
-    double approach = -(double)fluid->wall_rate[i], square = 0.0;
+    double approach = fluid->wall_rate ? -(double)fluid->wall_rate[i] : -0.0, square = 0.0;
     for (int axis = 0; axis < 3; axis++) {
       approach += velocity[axis] * gradient[axis];
       square += (double)gradient[axis] * gradient[axis];
@@ -49,4 +46,5 @@ static int64_t contact(hc_particles *fluid, double rest_density, double limit, d
   return held;
 }
 
-const hc_boundary_ops hc_boundary_akinci2012 = {"akinci2012", HC_WALLS_MIRRORED, prepare, contact, NULL};
+const hc_boundary_ops hc_boundary_akinci2012 = {"akinci2012", HC_WALLS_MIRRORED, HC_FOR_WALL_VOLUMES,
+                                                prepare,      contact,           NULL};

@@ -9,15 +9,16 @@
 
 #include <math.h>
 
-static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end) {
+static int64_t collide(const hc_collision *collision, hc_selection selection) {
   const hc_sweep *sweep = collision->sweep;
   const hc_neighbors *walls = sweep->walls;
   int64_t held = 0;
-  for (int32_t i = begin; i < end; i++) {
-    const uint32_t *offset = walls->offset + (size_t)walls->start[i] * HC_LIST_GROUP;
+  for (int32_t row = selection.begin; row < selection.end; row++) {
+    const int32_t i = hc_selected(selection, row);
+    const uint32_t *offset = walls->offset + (size_t)walls->start[row] * HC_LIST_GROUP;
     bool touched = false;
     collision->contacts[i] = (hc_record){.scalar = 0.0f};
-    for (int k = 0; k < walls->count[i]; k++) {
+    for (int k = 0; k < walls->count[row]; k++) {
       const size_t b = offset[k] / sizeof(hc_record);
       const hc_record *place = &sweep->fluid->place[i], *sample = &sweep->boundary->place[b];
       double square = 0.0;
@@ -38,5 +39,5 @@ static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end
   return held;
 }
 
-const hc_boundary_ops hc_boundary_becker2009 = {"becker2009", HC_WALLS_NOTHING, hc_boundary_prepare_frozen,
-                                                NULL, collide};
+const hc_boundary_ops hc_boundary_becker2009 = {
+    "becker2009", HC_WALLS_NOTHING, HC_FOR_RIGID_WALLS, hc_boundary_prepare_frozen, NULL, collide};

@@ -22,6 +22,7 @@ typedef struct hc_collision {
 typedef struct hc_boundary_ops {
   const char *name;
   hc_wall_rule walls; /* in densities and pressures of predicted positions */
+  unsigned features;  /* HC_FOR_*: the fields it needs */
 
   /* Prepares own boundary particles once they are placed: what the sweeps read of them. `list` holds their
    * boundary neighbours, ghosts included; `factor` scales the volumes, or is the largest share of the
@@ -35,10 +36,10 @@ typedef struct hc_boundary_ops {
    * pressure. Returns how many were held. Local. Null where `collide` does it. */
   int64_t (*contact)(hc_particles *fluid, double rest_density, double limit, double dt);
 
-  /* Moves own particles [begin, end), whose place holds predicted positions and velocity the predicted one,
+  /* Moves selected own particles, whose place holds predicted positions and velocity the predicted one,
    * out of the walls. motion holds the velocities at the step's beginning. Returns how many were in one.
    * Local. Null where `contact` does it. */
-  int64_t (*collide)(const hc_collision *collision, int32_t begin, int32_t end);
+  int64_t (*collide)(const hc_collision *collision, hc_selection selection);
 } hc_boundary_ops;
 
 /* Single layer, volumes V_b = factor / sum W over boundary particles, pressure mirrored from the fluid

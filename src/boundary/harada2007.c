@@ -8,10 +8,11 @@
  * force is stiff at long steps. */
 #include "boundary.h"
 
-static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end) {
-  collision->sweeps->contacts(collision->sweep, HC_CONTACT_DISTANCE, collision->contacts, begin, end);
+static int64_t collide(const hc_collision *collision, hc_selection selection) {
+  collision->sweeps->contacts(collision->sweep, HC_CONTACT_DISTANCE, collision->contacts, selection);
   int64_t held = 0;
-  for (int32_t i = begin; i < end; i++) {
+  for (int32_t row = selection.begin; row < selection.end; row++) {
+    const int32_t i = hc_selected(selection, row);
     const hc_record contact = collision->contacts[i];
     collision->contacts[i] = (hc_record){.scalar = 0.0f};
     double n[3];
@@ -24,5 +25,5 @@ static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end
   return held;
 }
 
-const hc_boundary_ops hc_boundary_harada2007 = {"harada2007", HC_WALLS_DISTANCE, hc_boundary_prepare_frozen,
-                                                NULL, collide};
+const hc_boundary_ops hc_boundary_harada2007 = {
+    "harada2007", HC_WALLS_DISTANCE, HC_FOR_RIGID_WALLS, hc_boundary_prepare_frozen, NULL, collide};

@@ -40,13 +40,14 @@ void hc_boundary_prepare_frozen(const hc_sweeps *sweeps, const hc_sweep *sweep, 
   }
 }
 
-static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end) {
-  collision->sweeps->contacts(collision->sweep, HC_CONTACT_WEIGHTED, collision->contacts, begin, end);
+static int64_t collide(const hc_collision *collision, hc_selection selection) {
+  collision->sweeps->contacts(collision->sweep, HC_CONTACT_WEIGHTED, collision->contacts, selection);
   static const float stands[3];
   const bool moved = collision->respond && collision->velocities;
-  if (moved) collision->sweeps->wall_velocities(collision->sweep, collision->velocities, begin, end);
+  if (moved) collision->sweeps->wall_velocities(collision->sweep, collision->velocities, selection);
   int64_t held = 0;
-  for (int32_t i = begin; i < end; i++) {
+  for (int32_t row = selection.begin; row < selection.end; row++) {
+    const int32_t i = hc_selected(selection, row);
     const hc_record contact = collision->contacts[i];
     if (!(contact.scalar > 0.0f)) continue;
     collision->contacts[i] = (hc_record){.scalar = 0.0f};
@@ -60,5 +61,5 @@ static int64_t collide(const hc_collision *collision, int32_t begin, int32_t end
   return held;
 }
 
-const hc_boundary_ops hc_boundary_ihmsen2010 = {"ihmsen2010", HC_WALLS_PRESSURE, hc_boundary_prepare_frozen,
-                                                NULL, collide};
+const hc_boundary_ops hc_boundary_ihmsen2010 = {
+    "ihmsen2010", HC_WALLS_PRESSURE, HC_FOR_RIGID_WALLS, hc_boundary_prepare_frozen, NULL, collide};

@@ -92,7 +92,7 @@ void hc_messages_free(hc_message *messages, int count);
 typedef struct hc_exchange {
   int send_count, receive_count;
   const hc_message *send;    /* data, bytes, rank */
-  const hc_message *receive; /* data, bytes, rank: the room that is filled */
+  const hc_message *receive; /* data, bytes, rank: the room that is filled, or a part of it */
   MPI_Request *requests;     /* room for send_count + receive_count, the caller's */
   int pending;
 } hc_exchange;

@@ -6,18 +6,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-void hc_halo_init(hc_halo *halo, hc_domain *domain, hc_particles *particles) {
+void hc_halo_init(hc_halo *halo, hc_domain *domain, hc_particles *particles, int tag) {
   memset(halo, 0, sizeof *halo);
+  halo->tag = tag;
   halo->domain = domain;
   halo->particles = particles;
 }
 
 void hc_halo_free(hc_halo *halo) {
-  HC_CHECK(!halo->pending, "a refresh must end before the halo is freed");
+  HC_CHECK(!halo->fields, "a refresh must end before the halo is freed");
   hc_free(halo->cells);
   hc_free(halo->send);
   hc_free(halo->receive);
   hc_free(halo->send_begin);
+  hc_free(halo->copies);
   hc_free(halo->ghost_begin);
   hc_free(halo->send_buffer);
   hc_free(halo->receive_buffer);
@@ -198,12 +200,6 @@ static int compare_halo_cells(const void *a, const void *b) {
   return memcmp(p->shift, q->shift, sizeof p->shift);
 }
 
-/* What to add to the low words of positions in a copy of a cell. */
-static void shift_of(const hc_halo *halo, const hc_halo_cell *cell, uint32_t shift[3]) {
-  for (int axis = 0; axis < 3; axis++)
-    shift[axis] = (uint32_t)(uint64_t)(cell->shift[axis] * halo->domain->frame->period[axis]);
-}
-
 static char *write_cell(const hc_halo *halo, const hc_cells *cells, const hc_halo_cell *cell, char *to) {
   const hc_frame *frame = halo->domain->frame;
   const int32_t brick = cell->slot / HC_BRICK_CELLS;
@@ -211,7 +207,7 @@ static char *write_cell(const hc_halo *halo, const hc_cells *cells, const hc_hal
   const int parts[3] = {part & 3, part >> HC_BRICK_BITS & 3, part >> (2 * HC_BRICK_BITS)};
   cell_header header = {.count = cells->count[brick][part]};
   uint32_t shift[3];
-  shift_of(halo, cell, shift);
+  hc_halo_shift(halo, cell, shift);
   for (int axis = 0; axis < 3; axis++) {
     const int64_t units = cell->shift[axis] * frame->period[axis];
     const int64_t global =
@@ -245,13 +241,24 @@ static void find_partners(hc_halo *halo) {
   }
 }
 
+/* How many copies each partner gets of our particles. */
+static void count_copies(hc_halo *halo, const hc_cells *cells) {
+  hc_reserve((void **)&halo->copies, &halo->capacity[4], (size_t)halo->send_count, 0, sizeof *halo->copies);
+  for (int partner = 0; partner < halo->send_count; partner++) {
+    halo->copies[partner] = 0;
+    for (int32_t k = halo->send_begin[partner]; k < halo->send_begin[partner + 1]; k++)
+      halo->copies[partner] +=
+          cells->count[halo->cells[k].slot / HC_BRICK_CELLS][halo->cells[k].slot % HC_BRICK_CELLS];
+  }
+}
+
 /* Fills the messages that create ghosts. */
 static void write_cells(hc_halo *halo, const hc_cells *cells) {
   size_t bytes = 0;
   for (int32_t k = 0; k < halo->cell_count; k++) {
     const int32_t slot = halo->cells[k].slot;
     const size_t count = (size_t)cells->count[slot / HC_BRICK_CELLS][slot % HC_BRICK_CELLS];
-    bytes += sizeof(cell_header) + count * sizeof(hc_record); /* a record: the most that a refresh carries */
+    bytes += sizeof(cell_header) + count * PLACE_BYTES;
   }
   hc_reserve((void **)&halo->send_buffer, &halo->send_capacity, bytes, 0, 1);
   char *to = halo->send_buffer;
@@ -296,10 +303,11 @@ static int32_t enter_ghosts(hc_particles *particles, hc_cells *cells, const hc_m
 }
 
 void hc_halo_build(hc_halo *halo, hc_cells *cells) {
-  HC_CHECK(!halo->pending, "a refresh is still under way");
+  HC_CHECK(!halo->fields, "a refresh is still under way");
   halo->source = cells;
   if (halo->cell_count) qsort(halo->cells, (size_t)halo->cell_count, sizeof *halo->cells, compare_halo_cells);
   find_partners(halo);
+  count_copies(halo, cells);
   write_cells(halo, cells);
 
   hc_message *in;
@@ -322,90 +330,4 @@ void hc_halo_build(hc_halo *halo, hc_cells *cells) {
   hc_messages_free(in, in_count);
   hc_reserve((void **)&halo->requests, &halo->requests_capacity, (size_t)(halo->send_count + in_count), 0,
              sizeof *halo->requests);
-}
-
-/* ---- refreshes ---- */
-
-static size_t field_bytes(hc_halo_field field) {
-  return field == HC_HALO_PLACE_SCALAR ? 4 : sizeof(hc_record);
-}
-
-static hc_record *records_of(const hc_particles *particles, hc_halo_field field) {
-  return field == HC_HALO_MOTION   ? particles->motion
-         : field == HC_HALO_FACING ? particles->facing
-                                   : particles->place;
-}
-
-/* Writes the field of particles [begin, begin + count), places moved by `shift`, and returns where the next
- * goes. */
-static char *pack_cell(char *to, const hc_particles *particles, hc_halo_field field, const uint32_t shift[3],
-                       int32_t begin, int32_t count) {
-  if (field == HC_HALO_PLACE_SCALAR) {
-    float *scalars = (float *)(void *)to;
-    for (int32_t k = 0; k < count; k++) scalars[k] = particles->place[begin + k].scalar;
-  } else {
-    hc_record *records = (hc_record *)(void *)to;
-    memcpy(records, records_of(particles, field) + begin, (size_t)count * sizeof *records);
-    if (field == HC_HALO_PLACE && (shift[0] | shift[1] | shift[2]))
-      for (int32_t k = 0; k < count; k++)
-        for (int axis = 0; axis < 3; axis++)
-          records[k].x[axis] = (int32_t)((uint32_t)records[k].x[axis] + shift[axis]);
-  }
-  return to + (size_t)count * field_bytes(field);
-}
-
-static void pack(hc_halo *halo) {
-  char *to = halo->send_buffer;
-  for (int partner = 0; partner < halo->send_count; partner++) {
-    halo->send[partner].data = to;
-    for (int32_t k = halo->send_begin[partner]; k < halo->send_begin[partner + 1]; k++) {
-      const int32_t brick = halo->cells[k].slot / HC_BRICK_CELLS;
-      const int cell = halo->cells[k].slot % HC_BRICK_CELLS;
-      uint32_t shift[3];
-      shift_of(halo, &halo->cells[k], shift);
-      to = pack_cell(to, halo->particles, halo->field, shift, halo->source->begin[brick][cell],
-                     halo->source->count[brick][cell]);
-    }
-    halo->send[partner].bytes = (size_t)(to - (char *)halo->send[partner].data);
-  }
-}
-
-static void unpack(const hc_halo *halo) {
-  const hc_particles *particles = halo->particles;
-  if (halo->field != HC_HALO_PLACE_SCALAR) {
-    hc_record *ghosts = records_of(particles, halo->field) + particles->own;
-    if (particles->ghosts) memcpy(ghosts, halo->receive_buffer, (size_t)particles->ghosts * sizeof *ghosts);
-    return;
-  }
-  const float *scalars = (const float *)(const void *)halo->receive_buffer;
-  for (int32_t k = 0; k < particles->ghosts; k++) particles->place[particles->own + k].scalar = scalars[k];
-}
-
-void hc_halo_begin(hc_halo *halo, hc_halo_field field) {
-  HC_CHECK(!halo->pending, "one refresh at a time");
-  const size_t bytes = field_bytes(field);
-  halo->field = field;
-  pack(halo);
-  hc_reserve((void **)&halo->receive_buffer, &halo->receive_capacity, (size_t)halo->particles->ghosts * bytes,
-             0, 1);
-  for (int m = 0; m < halo->receive_count; m++) {
-    halo->receive[m].data = halo->receive_buffer + (size_t)halo->ghost_begin[m] * bytes;
-    halo->receive[m].bytes = (size_t)(halo->ghost_begin[m + 1] - halo->ghost_begin[m]) * bytes;
-  }
-  halo->exchange =
-      (hc_exchange){halo->send_count, halo->receive_count, halo->send, halo->receive, halo->requests, 0};
-  hc_comm_exchange_begin(halo->domain->comm, &halo->exchange, (int)field);
-  halo->pending = true;
-}
-
-void hc_halo_end(hc_halo *halo) {
-  HC_CHECK(halo->pending, "no refresh is under way");
-  hc_comm_exchange_end(halo->domain->comm, &halo->exchange);
-  unpack(halo);
-  halo->pending = false;
-}
-
-void hc_halo_refresh(hc_halo *halo, hc_halo_field field) {
-  hc_halo_begin(halo, field);
-  hc_halo_end(halo);
 }

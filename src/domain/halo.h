@@ -6,19 +6,15 @@
  * particles by id, so a ghost cell is one range of the arrays like any other and its order is the canonical
  * one.
  *
- * Use, each step: hc_cells_bin; hc_halo_mark; hc_cells_order; hc_halo_build. Then refreshes. */
+ * Use, each step: hc_cells_bin; hc_halo_mark; hc_cells_order; hc_halo_build. Then refreshes, of any rows of
+ * fields.def that ghosts have, by name and several in one message, of all particles or of a selection; and
+ * folds, which go the other way: what ghosts have gathered comes back to the owner. Each halo has a tag of
+ * its own, so that two may be under way at once. While a field is, the store says so (under_way) and sweeps
+ * refuse to read it. */
 #ifndef HC_HALO_H
 #define HC_HALO_H
 
 #include "domain.h"
-
-/* What a refresh carries. */
-typedef enum hc_halo_field {
-  HC_HALO_PLACE_SCALAR, /* place.scalar: a multiplier of the pressure solvers, a boundary volume */
-  HC_HALO_PLACE,        /* place: predicted positions, within a support radius of the true ones; its scalar */
-  HC_HALO_MOTION,       /* motion: velocity and 1/density */
-  HC_HALO_FACING        /* facing: a boundary particle's normal */
-} hc_halo_field;
 
 /* A border cell and a partner that gets a copy of it. */
 typedef struct hc_halo_cell {
@@ -36,18 +32,21 @@ typedef struct hc_halo {
   hc_message *send, *receive;        /* per partner; bytes of a refresh that is under way */
   int32_t *send_begin, *ghost_begin; /* send_count + 1 and receive_count + 1: first cell, first ghost */
   int send_count, receive_count;
-  size_t capacity[4];
+  int32_t *copies; /* send_count: of our particles with each partner */
+  size_t capacity[5];
   char *send_buffer, *receive_buffer;
   size_t send_capacity, receive_capacity;
   const hc_cells *source;
   hc_exchange exchange;
   MPI_Request *requests;
   size_t requests_capacity;
-  hc_halo_field field;
-  bool pending;
+  int tag;
+  hc_field_set fields;    /* under way; 0: none */
+  const uint64_t *chosen; /* of own particles, while a refresh of a selection is under way; null: all */
 } hc_halo;
 
-void hc_halo_init(hc_halo *halo, hc_domain *domain, hc_particles *particles);
+/* `tag`: 0, 1, ..., another for each halo of a domain. */
+void hc_halo_init(hc_halo *halo, hc_domain *domain, hc_particles *particles, int tag);
 void hc_halo_free(hc_halo *halo);
 
 /* Finds the border cells among the binned ones, sets their bits. Local. */
@@ -57,13 +56,34 @@ void hc_halo_mark(hc_halo *halo, hc_cells *cells);
  * Collective. Before: marked and ordered. */
 void hc_halo_build(hc_halo *halo, hc_cells *cells);
 
-/* A refresh of one field of all ghosts: begin sends the border particles' values, which must be final, and
- * never waits; until end neither ghosts nor the field of border particles may be read or written. One at a
- * time. Collective among partners; both must be called by every rank. */
-void hc_halo_begin(hc_halo *halo, hc_halo_field field);
+/* A refresh of some fields of all ghosts (HC_WHOLE(motion) | HC_SCALAR(place)): begin sends the border
+ * particles' values, which must be final, and never waits; until end neither ghosts nor these fields of
+ * border particles may be read or written. One at a time. Places are moved by the periods on their way.
+ * Collective among partners; both must be called by every rank. */
+void hc_halo_begin(hc_halo *halo, hc_field_set fields);
 void hc_halo_end(hc_halo *halo);
 
 /* Begin and end in one. */
-void hc_halo_refresh(hc_halo *halo, hc_halo_field field);
+void hc_halo_refresh(hc_halo *halo, hc_field_set fields);
+
+/* The same for the own particles whose bit is set in `chosen` (bit k % 64 of word k / 64, room for all own
+ * particles; it must stay until the end): a message is a bitmap and the rows it names, ghosts of others keep
+ * their values. `selected`, one bit for each ghost, receives which were refreshed; may be null. */
+void hc_halo_begin_some(hc_halo *halo, hc_field_set fields, const uint64_t *chosen);
+void hc_halo_end_some(hc_halo *halo, uint64_t *selected);
+
+/* Takes ghosts' values of a field of plain numbers (no record) back to their owners: each own particle gets
+ * the least of its own value and those of its copies, component by component, which is the same in any order.
+ * Ghosts keep theirs; refresh them if they must know. Collective among partners. */
+void hc_halo_fold_least(hc_halo *halo, hc_field_id field);
+
+/* What to add to the low words of positions in a copy of a cell. Local. */
+static inline void hc_halo_shift(const hc_halo *halo, const hc_halo_cell *cell, uint32_t shift[3]) {
+  for (int axis = 0; axis < 3; axis++)
+    shift[axis] = (uint32_t)(uint64_t)(cell->shift[axis] * halo->domain->frame->period[axis]);
+}
+
+/* What a refresh of such fields takes for each particle, bytes. */
+size_t hc_halo_bytes(hc_field_set fields);
 
 #endif

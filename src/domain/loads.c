@@ -89,6 +89,14 @@ static double add_fluid(loads *loads, const hc_map *map, int bits, const hc_work
   return total;
 }
 
+static void add_boundary(loads *loads, const hc_map *map, int bits, const hc_particles *boundary, int rank) {
+  for (int32_t k = 0; k < boundary->own; k++) {
+    hc_load *load = load_at(loads, map, bits, boundary, k, rank);
+    load->weight += HC_COST_BOUNDARY;
+    load->boundary++;
+  }
+}
+
 hc_load *hc_loads_gather(hc_comm *comm, const hc_map *map, int bits, const hc_work *work, int64_t *count) {
   loads loads;
   memset(&loads, 0, sizeof loads);
@@ -96,11 +104,8 @@ hc_load *hc_loads_gather(hc_comm *comm, const hc_map *map, int bits, const hc_wo
   const double cost = add_fluid(&loads, map, bits, work, comm->rank);
   const float factor = (float)correction(comm, work->busy, cost);
   for (int32_t k = 0; k < loads.set.count; k++) loads.load[k].weight *= factor;
-  for (int32_t k = 0; k < work->boundary->own; k++) {
-    hc_load *load = load_at(&loads, map, bits, work->boundary, k, comm->rank);
-    load->weight += HC_COST_BOUNDARY;
-    load->boundary++;
-  }
+  add_boundary(&loads, map, bits, work->boundary, comm->rank);
+  if (work->moving) add_boundary(&loads, map, bits, work->moving, comm->rank);
   void *all;
   size_t bytes;
   hc_comm_gather(comm, loads.load, (size_t)loads.set.count * sizeof *loads.load, 0, &all, &bytes);

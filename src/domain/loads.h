@@ -11,8 +11,8 @@
 enum { HC_COST_PARTICLE = 16, HC_COST_WALL_SHARE = 4, HC_COST_FLUID = 48, HC_COST_BOUNDARY = 3 };
 
 typedef struct hc_work {
-  const hc_particles *fluid, *boundary; /* own particles, wherever they are */
-  const uint16_t *neighbors, *walls;    /* of own fluid particles; null: each costs HC_COST_FLUID */
+  const hc_particles *fluid, *boundary, *moving; /* own particles, wherever they are; moving may be null */
+  const uint16_t *neighbors, *walls;             /* of own fluid particles; null: each costs HC_COST_FLUID */
   double busy; /* seconds that they have kept this rank busy lately; 0: nothing was measured (on any rank) */
 } hc_work;
 

@@ -51,7 +51,7 @@ int32_t hc_domain_migrate(hc_domain *domain, hc_particles *particles) {
   const int32_t count = find_leavers(domain, particles, &leavers);
   if (count) qsort(leavers, (size_t)count, sizeof *leavers, by_rank);
 
-  const size_t bytes = hc_particles_state_bytes(particles->kind);
+  const size_t bytes = hc_particles_block_bytes(particles);
   char *buffer = hc_alloc((size_t)count, bytes);
   int32_t *holes = hc_alloc((size_t)count, sizeof *holes);
   hc_message *out = hc_alloc((size_t)count, sizeof *out);

@@ -78,16 +78,23 @@ static double patch_weight(const hc_gauges *gauges, const hc_scene_gauge *gauge,
   return shape(length(offset) / gauges->frame->support_radius);
 }
 
-void hc_measure_patch_area(const hc_gauges *gauges, int number, const hc_particles *boundary, hc_sum *sum) {
+/* Those that stand still, or those that move: these are measured where the scene puts them. */
+static void add_area(const hc_gauges *gauges, int number, const hc_particles *boundary, hc_sum *sum) {
   const double spacing = gauges->scene->particle_spacing;
   const hc_scene_gauge *gauge = &gauges->scene->output.gauges[number];
   const hc_point at = hc_measure_point(gauges->frame, gauge->at);
+  const int64_t *places = boundary->reference ? boundary->reference : boundary->position;
   for (int32_t k = 0; k < boundary->own; k++) {
-    if ((int)boundary->wall[k] != gauges->state[number].wall) continue;
+    if ((int)boundary->motion[k].scalar != gauges->state[number].wall) continue;
     double offset[3];
-    hc_measure_offset(gauges->frame, &boundary->reference[3 * (size_t)k], &at, offset);
+    hc_measure_offset(gauges->frame, &places[3 * (size_t)k], &at, offset);
     hc_sum_add(sum, spacing * spacing * patch_weight(gauges, gauge, offset));
   }
+}
+
+void hc_measure_patch_area(const hc_gauges *gauges, int number, const hc_particles *boundary, hc_sum *sum) {
+  add_area(gauges, number, boundary, sum);
+  if (boundary->tail) add_area(gauges, number, boundary->tail, sum);
 }
 
 int64_t hc_measure_crossings(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid,
@@ -201,7 +208,7 @@ void hc_measure_wall_push(const hc_gauges *gauges, const hc_sweep *sweep, double
     for (int32_t k = 0; k < walls->count[i]; k++) {
       const int32_t b = (int32_t)(offset[k] / sizeof(hc_record));
       const pair pair = make_pair(gauges, sweep, back, i, b);
-      push push = {.wall = (int)boundary->wall[b]};
+      push push = {.wall = (int)boundary->motion[b].scalar};
       memcpy(push.at, pair.at, sizeof push.at);
       const double pressure = pair.q < 1.0 ? strength(sweep, i, b) * sweep->volume * sweep->gradient : 0.0;
       const double contact = shares > 0.0 ? of_contact * share(pair.q) / shares : 0.0;

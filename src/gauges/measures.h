@@ -25,7 +25,8 @@ void hc_measure_point_pressure(const hc_gauges *gauges, const hc_scene_gauge *ga
 /* The axis of a gauge, 0 to 2, and which way along it, 1 or -1; the axis is -1 without one. */
 int hc_measure_axis(const hc_scene_gauge *gauge, int *sign);
 
-/* Weighted area of the wall's samples around the gauge's point, m2. */
+/* Weighted area of the wall's samples around the gauge's point, m2; of the store and of the one joined to it.
+ */
 void hc_measure_patch_area(const hc_gauges *gauges, int number, const hc_particles *boundary, hc_sum *sum);
 
 /* Particles that crossed the gauge's rectangle in the step that has brought them here, along its axis less

@@ -2,8 +2,9 @@
  *
  * Sealed (seal.h) in a user block of 512 bytes, then HDF5: /Halocline with the attributes of a snapshot (see
  * snapshot.h) and content = "checkpoint", instruction_set, ranks, and the dataset scene_text, the scene as
- * understood; /state: an attribute for each item of the state; /fluid and /boundary: a dataset for each state
- * field of fields.def, rows in the order of the ranks that wrote it. */
+ * understood; /state: an attribute for each item of the state; /fluid, /boundary (walls that
+ * stand still) and /moving: a dataset for each state field of fields.def that the run has, rows in the order
+ * of the ranks that wrote it. */
 #ifndef HC_CHECKPOINT_H
 #define HC_CHECKPOINT_H
 

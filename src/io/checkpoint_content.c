@@ -1,5 +1,6 @@
 #include "checkpoint_content.h"
 
+#include "base/check.h"
 #include "base/memory.h"
 #include "facts.h"
 
@@ -8,38 +9,52 @@
 
 enum {
   HEADERS = 65536, /* room for all metadata besides the items' numbers */
-  SLICE = 1 << 24, /* rows of one transfer: below the 2 GiB of one MPI call */
-  FLUID = 0,
-  BOUNDARY = 1
+  SLICE = 1 << 24  /* rows of one transfer: below the 2 GiB of one MPI call */
 };
 
-static const char *const group_names[] = {"fluid", "boundary"};
+/* The group of a store, and the attribute that counts its rows. */
+static const char *group_of(const hc_particles *store) {
+  return store->kind == HC_FLUID ? "fluid" : store->kind & HC_MOVED ? "moving" : "boundary";
+}
+static const char *count_of(const hc_particles *store) {
+  return store->kind == HC_FLUID  ? "fluid_particles"
+         : store->kind & HC_MOVED ? "moving_particles"
+                                  : "standing_particles";
+}
 
-static int kind_index(const hc_particles *particles) {
-  return particles->kind == HC_FLUID ? FLUID : BOUNDARY;
+/* The place of a store among those of the state. */
+static int store_index(const hc_state *state, const hc_particles *store) {
+  for (int k = 0; k < state->store_count; k++)
+    if (state->stores[k] == store) return k;
+  HC_CHECK(false, "the store is none of the state's");
+  return -1;
 }
 
 void hc_checkpoint_content_count(hc_checkpoint_content *content) {
   const hc_state *state = content->state;
-  const int64_t own[2] = {state->fluid->own, state->boundary->own};
-  for (int kind = FLUID; kind <= BOUNDARY; kind++)
-    content->first[kind] = hc_comm_prefix_i64(content->comm, own[kind]);
-  memcpy(content->total, own, sizeof content->total);
-  hc_comm_sum_i64(content->comm, content->total, 2);
+  for (int k = 0; k < state->store_count; k++) {
+    content->first[k] = hc_comm_prefix_i64(content->comm, state->stores[k]->own);
+    content->total[k] = state->stores[k]->own;
+  }
+  hc_comm_sum_i64(content->comm, content->total, state->store_count);
 }
 
 int64_t hc_checkpoint_content_bytes(const hc_checkpoint_content *content) {
+  const hc_state *state = content->state;
   int64_t bytes = HEADERS + (int64_t)strlen(content->scene_text);
-  for (int k = 0; k < content->state->item_count; k++) bytes += 512 + 8 * content->state->items[k].count;
-  return bytes + content->total[FLUID] * (int64_t)hc_particles_state_bytes(HC_FLUID) +
-         content->total[BOUNDARY] * (int64_t)hc_particles_state_bytes(HC_BOUNDARY);
+  for (int k = 0; k < state->item_count; k++) bytes += 512 + 8 * state->items[k].count;
+  for (int k = 0; k < state->store_count; k++)
+    bytes += content->total[k] *
+             (int64_t)hc_particles_state_bytes(state->stores[k]->kind, state->stores[k]->features);
+  return bytes;
 }
 
 /* ---- writing ---- */
 
 typedef struct transfer {
+  const hc_state *state;
   const int64_t *total, *first;
-  hid_t group[2]; /* by kind, or the state's attributes in the first */
+  hid_t group[HC_STATE_MOST_STORES]; /* by store, or the state's attributes in the first */
   hc_error *problem;
 } transfer;
 
@@ -92,11 +107,11 @@ static hid_t create_column(hid_t group, const hc_field_info *info, int64_t rows,
 
 static void put_field(void *context, hc_particles *particles, hc_field_id field) {
   const transfer *out = context;
-  const int kind = kind_index(particles);
+  const int store = store_index(out->state, particles);
   const hc_field_info *info = &hc_fields[field];
-  const hid_t dataset = create_column(out->group[kind], info, out->total[kind], out->problem);
+  const hid_t dataset = create_column(out->group[store], info, out->total[store], out->problem);
   if (dataset < 0) return;
-  move_rows(dataset, info, out->first[kind], particles->own, particles->data[field], true, out->problem);
+  move_rows(dataset, info, out->first[store], particles->own, particles->data[field], true, out->problem);
   if (H5Dclose(dataset) < 0) hc_h5_failed(out->problem, HC_IO_FAILED, "cannot close dataset %s", info->name);
 }
 
@@ -118,12 +133,23 @@ static void put_scene(const hc_checkpoint_content *content, hid_t group, hc_erro
 
 static void put_own(const hc_checkpoint_content *content, hid_t file, hc_error *problem) {
   const hid_t own = hc_h5_create_group(file, "Halocline", problem);
+  const hc_state *state = content->state;
   const int64_t ranks = content->comm->size;
+  int64_t fluid = 0, all = 0;
+  for (int k = 0; k < state->store_count; k++) {
+    all += content->total[k];
+    if (state->stores[k]->kind == HC_FLUID) fluid = content->total[k];
+  }
   int fields[HC_FIELD_COUNT], count = 0;
-  hc_facts_put(own, content->scene, content->moment, content->total[FLUID], content->total[BOUNDARY],
-               problem);
-  for (int field = 0; field < HC_FIELD_COUNT; field++)
-    if (hc_fields[field].flags & HC_STATE) fields[count++] = field;
+  hc_facts_put(own, content->scene, content->moment, fluid, all - fluid, problem);
+  for (int k = 0; k < state->store_count; k++)
+    if (state->stores[k]->kind != HC_FLUID)
+      hc_h5_put_i64(own, count_of(state->stores[k]), 1, &content->total[k], problem);
+  for (int field = 0; field < HC_FIELD_COUNT; field++) {
+    bool there = false;
+    for (int k = 0; k < state->store_count; k++) there |= state->stores[k]->data[field] != NULL;
+    if (there && hc_field_is_state(&hc_fields[field])) fields[count++] = field;
+  }
   hc_facts_put_fields(own, fields, count, problem);
   hc_h5_put_text(own, "content", "checkpoint", problem);
   hc_h5_put_text(own, "instruction_set", content->instruction_set, problem);
@@ -133,17 +159,18 @@ static void put_own(const hc_checkpoint_content *content, hid_t file, hc_error *
 }
 
 void hc_checkpoint_content_write(const hc_checkpoint_content *content, hid_t file, hc_error *problem) {
+  const hc_state *state = content->state;
   put_own(content, file, problem);
-  transfer out = {content->total, content->first, {H5I_INVALID_HID, H5I_INVALID_HID}, problem};
+  transfer out = {.state = state, .total = content->total, .first = content->first, .problem = problem};
   out.group[0] = hc_h5_create_group(file, "state", problem);
-  hc_state_visit(content->state, 0, &(hc_state_visitor){.context = &out, .item = put_item});
+  hc_state_visit(state, 0, &(hc_state_visitor){.context = &out, .item = put_item});
   hc_h5_close_group(out.group[0], problem);
-  for (int kind = FLUID; kind <= BOUNDARY; kind++)
-    out.group[kind] = hc_h5_create_group(file, group_names[kind], problem);
+  for (int k = 0; k < state->store_count; k++)
+    out.group[k] = hc_h5_create_group(file, group_of(state->stores[k]), problem);
   if (hc_comm_agree(content->comm, problem) == HC_OK)
-    hc_state_visit(content->state, HC_FLUID | HC_BOUNDARY,
+    hc_state_visit(state, HC_FLUID | HC_BOUNDARY | HC_MOVED,
                    &(hc_state_visitor){.context = &out, .field = put_field});
-  for (int kind = FLUID; kind <= BOUNDARY; kind++) hc_h5_close_group(out.group[kind], problem);
+  for (int k = 0; k < state->store_count; k++) hc_h5_close_group(out.group[k], problem);
 }
 
 /* ---- reading ---- */
@@ -211,49 +238,48 @@ static void get_item(void *context, const hc_state_item *item) {
 
 static void get_field(void *context, hc_particles *particles, hc_field_id field) {
   const transfer *in = context;
-  const int kind = kind_index(particles);
+  const int store = store_index(in->state, particles);
   const hc_field_info *info = &hc_fields[field];
-  const hid_t dataset = H5Dopen2(in->group[kind], info->name, H5P_DEFAULT);
+  const hid_t dataset = H5Dopen2(in->group[store], info->name, H5P_DEFAULT);
   if (dataset < 0) {
     hc_h5_failed(in->problem, HC_IO_FAILED, "dataset %s is missing", info->name);
     return;
   }
-  move_rows(dataset, info, in->first[kind], particles->own, particles->data[field], false, in->problem);
+  move_rows(dataset, info, in->first[store], particles->own, particles->data[field], false, in->problem);
   H5Dclose(dataset);
 }
 
 /* Equal shares of the rows, for every rank. */
-static hc_status share_rows(hc_comm *comm, const int64_t total[2], hc_state *state, int64_t first[2],
+static hc_status share_rows(hc_comm *comm, const int64_t *total, hc_state *state, int64_t *first,
                             hc_error *problem) {
-  hc_particles *const stores[2] = {state->fluid, state->boundary};
-  for (int kind = FLUID; kind <= BOUNDARY; kind++) {
-    const int64_t begin = total[kind] * comm->rank / comm->size,
-                  end = total[kind] * (comm->rank + 1) / comm->size;
+  for (int k = 0; k < state->store_count; k++) {
+    const int64_t begin = total[k] * comm->rank / comm->size, end = total[k] * (comm->rank + 1) / comm->size;
     if (end - begin > INT32_MAX / 2)
       return hc_error_set(problem, HC_IO_FAILED, "%lld particles are too many for %d ranks",
-                          (long long)total[kind], comm->size);
-    first[kind] = begin;
-    hc_particles_resize(stores[kind], (int32_t)(end - begin));
+                          (long long)total[k], comm->size);
+    first[k] = begin;
+    hc_particles_resize(state->stores[k], (int32_t)(end - begin));
   }
   return HC_OK;
 }
 
 static void read_all(hc_comm *comm, hid_t file, hc_state *state, hc_error *problem) {
-  int64_t total[2] = {0, 0}, first[2];
-  transfer in = {total, first, {H5I_INVALID_HID, H5I_INVALID_HID}, problem};
+  int64_t total[HC_STATE_MOST_STORES] = {0}, first[HC_STATE_MOST_STORES];
+  transfer in = {.state = state, .total = total, .first = first, .problem = problem};
   const hid_t own = H5Gopen2(file, "Halocline", H5P_DEFAULT);
-  hc_h5_get(own, "fluid_particles", H5T_NATIVE_INT64, 1, &total[FLUID], problem);
-  hc_h5_get(own, "boundary_particles", H5T_NATIVE_INT64, 1, &total[BOUNDARY], problem);
+  for (int k = 0; k < state->store_count; k++)
+    hc_h5_get(own, count_of(state->stores[k]), H5T_NATIVE_INT64, 1, &total[k], problem);
   if (own >= 0) H5Gclose(own);
   in.group[0] = H5Gopen2(file, "state", H5P_DEFAULT);
   hc_state_visit(state, 0, &(hc_state_visitor){.context = &in, .item = get_item});
   if (in.group[0] >= 0) H5Gclose(in.group[0]);
   if (problem->status == HC_OK && share_rows(comm, total, state, first, problem) == HC_OK) {
-    for (int kind = FLUID; kind <= BOUNDARY; kind++)
-      in.group[kind] = H5Gopen2(file, group_names[kind], H5P_DEFAULT);
-    hc_state_visit(state, HC_FLUID | HC_BOUNDARY, &(hc_state_visitor){.context = &in, .field = get_field});
-    for (int kind = FLUID; kind <= BOUNDARY; kind++)
-      if (in.group[kind] >= 0) H5Gclose(in.group[kind]);
+    for (int k = 0; k < state->store_count; k++)
+      in.group[k] = H5Gopen2(file, group_of(state->stores[k]), H5P_DEFAULT);
+    hc_state_visit(state, HC_FLUID | HC_BOUNDARY | HC_MOVED,
+                   &(hc_state_visitor){.context = &in, .field = get_field});
+    for (int k = 0; k < state->store_count; k++)
+      if (in.group[k] >= 0) H5Gclose(in.group[k]);
   }
 }
 

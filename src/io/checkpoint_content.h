@@ -14,7 +14,7 @@ typedef struct hc_checkpoint_content {
   const hc_moment *moment;
   const hc_state *state;
   const char *instruction_set, *scene_text;
-  int64_t total[2], first[2]; /* fluid, boundary: rows of all ranks, this rank's first */
+  int64_t total[HC_STATE_MOST_STORES], first[HC_STATE_MOST_STORES]; /* rows of all ranks, this rank's first */
 } hc_checkpoint_content;
 
 /* Fills total and first. Collective. */

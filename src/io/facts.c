@@ -28,7 +28,8 @@ void hc_facts_put_fields(hid_t group, const int *fields, int count, hc_error *pr
               kinds = hc_h5_create_group(group, "kinds", problem);
   for (int k = 0; k < count; k++) {
     const hc_field_info *info = &hc_fields[fields[k]];
-    const int64_t who = info->flags & (HC_FLUID | HC_BOUNDARY);
+    const bool of_walls = info->flags & (HC_BOUNDARY | HC_MOVED);
+    const int64_t who = (info->flags & HC_FLUID) | (of_walls ? HC_BOUNDARY : 0);
     hc_h5_put_text(units, info->name, info->unit, problem);
     hc_h5_put_i64(kinds, info->name, 1, &who, problem);
   }

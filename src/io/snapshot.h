@@ -1,15 +1,15 @@
 /* Snapshots: one VTKHDF 1.0 file per moment, written by all ranks together; ParaView 5.11 opens it as it is.
  *
  * /VTKHDF is an UnstructuredGrid with one vertex cell per particle and one piece per rank; within a piece the
- * own fluid particles come first, then the own boundary particles, in the order of the stores. Points float64
- * [N,3], scene coordinates in metres PointData/id        int64: the bits of the unsigned id PointData/kind
- * uint8: 0 fluid, 1 boundary (hc_id_kind) PointData/<field>   the requested rows of fields.def; zeros for a
- * kind that lacks the field /Halocline, which ParaView ignores, holds what our own tools read: attributes
- * format_version, program_version, scene, time [s], step, dt [s], particle_spacing [m], support_radius [m],
- * rest_density [kg/m3], particle_mass [kg, of a fluid particle], gravity [m/s2], unit [m], origin, period,
- * low [units], fluid_particles, boundary_particles; in /Halocline/units the unit of each field, in
- * /Halocline/kinds the kinds that have it (HC_FLUID | HC_BOUNDARY), by attributes of its name; and
- * /Halocline/fluid_per_piece, int64 [pieces].
+ * own fluid particles come first, then the own boundary particles, those of moving walls last, in the order
+ * of the stores. Points float64 [N,3], scene coordinates in metres PointData/id        int64: the bits of the
+ * unsigned id PointData/kind uint8: 0 fluid, 1 boundary (hc_id_kind) PointData/<field>   the requested rows
+ * of fields.def; zeros for a kind that lacks the field /Halocline, which ParaView ignores, holds what our own
+ * tools read: attributes format_version, program_version, scene, time [s], step, dt [s], particle_spacing
+ * [m], support_radius [m], rest_density [kg/m3], particle_mass [kg, of a fluid particle], gravity [m/s2],
+ * unit [m], origin, period, low [units], fluid_particles, boundary_particles; in /Halocline/units the unit of
+ * each field, in /Halocline/kinds the kinds that have it (HC_FLUID | HC_BOUNDARY), by attributes of its name;
+ * and /Halocline/fluid_per_piece, int64 [pieces].
  *
  * The integer position relative to the scene's origin is llrint(Points / unit), exactly, below 2^48 units.
  * The bytes of a file depend on the state and the number of ranks only. */

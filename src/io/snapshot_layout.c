@@ -60,7 +60,8 @@ void hc_snapshot_layout_init(hc_snapshot_layout *layout, hc_comm *comm, const hc
   layout->moment = moment;
   layout->problem = problem;
   layout->file = layout->independent = layout->collective = H5I_INVALID_HID;
-  const int64_t mine[2] = {moment->fluid->own, moment->boundary->own};
+  const int64_t mine[2] = {moment->fluid->own,
+                           moment->boundary->own + (moment->moving ? moment->moving->own : 0)};
   void *all = NULL;
   size_t bytes = 0;
   hc_comm_gather_all(comm, mine, sizeof mine, &all, &bytes);
@@ -213,15 +214,21 @@ static void write_rows(hc_snapshot_layout *layout, const hc_snapshot_column *col
   write_ranges(layout, column, layout->independent, type, components, ranges, rows);
 }
 
-static const hc_particles *store(const hc_snapshot_layout *layout, int kind) {
-  return kind == FLUID ? layout->moment->fluid : layout->moment->boundary;
+/* The stores in the order of their rows; returns how many. */
+static int list_stores(const hc_snapshot_layout *layout, const hc_particles *stores[3]) {
+  stores[0] = layout->moment->fluid;
+  stores[1] = layout->moment->boundary;
+  stores[2] = layout->moment->moving;
+  return stores[2] ? 3 : 2;
 }
 
 static void fill_points(hc_snapshot_layout *layout, double *slice) {
   const hc_frame *frame = layout->moment->frame;
+  const hc_particles *stores[3];
+  const int store_count = list_stores(layout, stores);
   int64_t row = layout->points.first;
-  for (int kind = FLUID; kind <= BOUNDARY; kind++) {
-    const hc_particles *particles = store(layout, kind);
+  for (int store = 0; store < store_count; store++) {
+    const hc_particles *particles = stores[store];
     for (int64_t done = 0; done < particles->own; done += SLICE) {
       const int64_t left = particles->own - done, count = left < SLICE ? left : SLICE;
       const int64_t *position = particles->position + 3 * done;
@@ -236,10 +243,12 @@ static void fill_field(hc_snapshot_layout *layout, const hc_snapshot_column *col
   const hc_field_info *info = &hc_fields[column->field];
   HC_CHECK(info->bytes <= 3 * sizeof(double), "field %s has %zu bytes, a slice has room for %zu", info->name,
            info->bytes, 3 * sizeof(double));
+  const hc_particles *stores[3];
+  const int store_count = list_stores(layout, stores);
   int64_t row = column->first;
-  for (int kind = FLUID; kind <= BOUNDARY; kind++) {
-    const hc_particles *particles = store(layout, kind);
-    const bool has = (info->flags & particles->kind) != 0;
+  for (int store = 0; store < store_count; store++) {
+    const hc_particles *particles = stores[store];
+    const bool has = particles->data[column->field] != NULL;
     const int64_t step = has ? PLAIN_SLICE : SLICE;
     if (!has) memset(slice, 0, SLICE * info->bytes);
     for (int64_t done = 0; done < particles->own; done += step) {

@@ -107,22 +107,33 @@ static hc_status read_column(const hc_snapshot_file *file, const char *name, hid
   return broken(file, error, "%s", problem.text);
 }
 
-/* A column of a checkpoint: the fluid's rows, then the boundary's; zeros for a kind that lacks the field. */
-static hc_status read_halves(const hc_snapshot_file *file, hc_field_id id, void **values, hc_error *error) {
-  static const char *const groups[] = {"fluid", "boundary"};
-  const int64_t rows[] = {file->facts.fluid, file->facts.boundary};
-  const unsigned kinds[] = {HC_FLUID, HC_BOUNDARY};
+/* The groups of a checkpoint, in the order of the rows that are made of them. */
+enum { GROUPS = 3 };
+static const char *const groups[GROUPS] = {"fluid", "boundary", "moving"};
+
+/* Is there such a column in the group? */
+static bool has_column(const hc_snapshot_file *file, int group, const hc_field_info *info) {
+  char name[HC_SNAPSHOT_READ_NAME + 16];
+  snprintf(name, sizeof name, "%s/%s", groups[group], info->name);
+  return H5Lexists(file->handle, groups[group], H5P_DEFAULT) > 0 &&
+         H5Lexists(file->handle, name, H5P_DEFAULT) > 0;
+}
+
+/* A column of a checkpoint: the rows of its groups; zeros where one lacks the field. */
+static hc_status read_groups(const hc_snapshot_file *file, hc_field_id id, void **values, hc_error *error) {
+  const hc_snapshot_facts *facts = &file->facts;
+  const int64_t rows[GROUPS] = {facts->fluid, facts->boundary - facts->moving, facts->moving};
   const hc_field_info *info = &hc_fields[id];
-  char *all = hc_alloc_zero((size_t)file->facts.particles, info->bytes), *to = all;
+  char *all = hc_alloc_zero((size_t)facts->particles, info->bytes), *to = all;
   hc_status status = HC_OK;
-  for (int half = 0; half < 2 && status == HC_OK; half++) {
+  for (int group = 0; group < GROUPS && status == HC_OK; group++) {
     char name[HC_SNAPSHOT_READ_NAME + 16];
     void *rows_read = NULL;
-    const size_t bytes = (size_t)rows[half] * info->bytes;
-    snprintf(name, sizeof name, "%s/%s", groups[half], info->name);
-    if (info->flags & kinds[half]) {
+    const size_t bytes = (size_t)rows[group] * info->bytes;
+    snprintf(name, sizeof name, "%s/%s", groups[group], info->name);
+    if (has_column(file, group, info)) {
       status = read_column(file, name, hc_h5_memory_type(info->type), info->bytes / (size_t)info->components,
-                           rows[half], info->components, &rows_read, error);
+                           rows[group], info->components, &rows_read, error);
       if (status == HC_OK) memcpy(to, rows_read, bytes);
       hc_free(rows_read);
     }
@@ -177,12 +188,14 @@ static void read_facts(hc_snapshot_file *file, hid_t own, hc_error *problem) {
                   {"boundary_particles", 1, &facts->boundary}};
   for (size_t k = 0; k < sizeof integers / sizeof *integers; k++)
     hc_h5_get(own, integers[k].name, H5T_NATIVE_INT64, integers[k].count, integers[k].values, problem);
+  if (H5Aexists(own, "moving_particles") > 0) /* checkpoints */
+    hc_h5_get(own, "moving_particles", H5T_NATIVE_INT64, 1, &facts->moving, problem);
   if (problem->status != HC_OK) return;
   for (int axis = 0; axis < 3; axis++)
     if (!(facts->unit[axis] > 0) || !isfinite(facts->unit[axis]))
       hc_error_set(problem, HC_BAD_INPUT, "unit must be positive, is %g", facts->unit[axis]);
   if (facts->fluid < 0 || facts->boundary < 0 || facts->fluid > INT64_MAX / 1024 ||
-      facts->boundary > INT64_MAX / 1024)
+      facts->boundary > INT64_MAX / 1024 || facts->moving < 0 || facts->moving > facts->boundary)
     hc_error_set(problem, HC_BAD_INPUT, "particle counts must not be negative or absurd, are %lld and %lld",
                  (long long)facts->fluid, (long long)facts->boundary);
   facts->particles = facts->fluid + facts->boundary;
@@ -246,12 +259,16 @@ static void list_state(hc_snapshot_file *file) {
                                            [HC_TYPE_f32] = HC_SNAPSHOT_F32};
   for (int id = 0; id < HC_FIELD_COUNT; id++) {
     const hc_field_info *info = &hc_fields[id];
-    if (!(info->flags & HC_STATE) || id == HC_FIELD_id || id == HC_FIELD_position) continue;
+    if (!hc_field_is_state(info) || id == HC_FIELD_id || id == HC_FIELD_position) continue;
+    bool there = false;
+    for (int group = 0; group < GROUPS; group++) there |= has_column(file, group, info);
+    if (!there) continue;
     hc_snapshot_field *field = &file->fields[file->field_count++];
     *field = (hc_snapshot_field){.type = types[info->type],
                                  .components = info->components,
                                  .bytes = info->bytes,
-                                 .kinds = info->flags & (HC_FLUID | HC_BOUNDARY)};
+                                 .kinds = (info->flags & HC_FLUID) |
+                                          (info->flags & (HC_BOUNDARY | HC_MOVED) ? HC_BOUNDARY : 0)};
     snprintf(field->name, sizeof field->name, "%s", info->name);
     snprintf(field->unit, sizeof field->unit, "%s", info->unit);
   }
@@ -334,7 +351,7 @@ void hc_snapshot_read_close(hc_snapshot_file *file) {
 hc_status hc_snapshot_read_ids(const hc_snapshot_file *file, uint64_t **ids, hc_error *error) {
   void *values = NULL;
   if (file->checkpoint) {
-    const hc_status read = read_halves(file, HC_FIELD_id, &values, error);
+    const hc_status read = read_groups(file, HC_FIELD_id, &values, error);
     *ids = values;
     return read;
   }
@@ -347,7 +364,7 @@ hc_status hc_snapshot_read_ids(const hc_snapshot_file *file, uint64_t **ids, hc_
 /* A checkpoint's positions, from the scene's origin. */
 static hc_status read_units(const hc_snapshot_file *file, int64_t **positions, hc_error *error) {
   void *values = NULL;
-  const hc_status status = read_halves(file, HC_FIELD_position, &values, error);
+  const hc_status status = read_groups(file, HC_FIELD_position, &values, error);
   *positions = values;
   for (size_t k = 0; status == HC_OK && k < 3 * (size_t)file->facts.particles; k++)
     (*positions)[k] = (int64_t)((uint64_t)(*positions)[k] - (uint64_t)file->facts.origin[k % 3]);
@@ -399,7 +416,7 @@ hc_status hc_snapshot_read_field(const hc_snapshot_file *file, const hc_snapshot
   if (file->checkpoint) {
     int id = 0;
     while (id < HC_FIELD_COUNT - 1 && strcmp(hc_fields[id].name, field->name) != 0) id++;
-    return read_halves(file, (hc_field_id)id, values, error);
+    return read_groups(file, (hc_field_id)id, values, error);
   }
   char name[HC_SNAPSHOT_READ_NAME + 32];
   snprintf(name, sizeof name, "VTKHDF/PointData/%s", field->name);

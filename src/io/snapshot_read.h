@@ -40,6 +40,7 @@ typedef struct hc_snapshot_facts {
   double unit[3];                       /* m */
   int64_t origin[3], period[3], low[3]; /* units */
   int64_t particles, fluid, boundary;
+  int64_t moving; /* of the boundary, in checkpoints: of walls that move */
   int64_t pieces; /* ranks that wrote it */
 } hc_snapshot_facts;
 

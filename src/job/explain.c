@@ -21,7 +21,7 @@ static double square_of(const hc_particles *fluid, hc_step_bound bound, int32_t 
 
 /* The fluid particle with the largest velocity or acceleration, the smallest id among equals. */
 static standout find_standout(const hc_world *world, hc_step_bound bound) {
-  const hc_particles *fluid = &world->fluid;
+  const hc_particles *fluid = world->fluid;
   double largest = -1.0;
   int32_t own = -1;
   for (int32_t i = 0; i < fluid->own; i++) {

@@ -170,30 +170,31 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
         (hc_timings_stage){hc_stage_name((hc_stage)stage), spread(job->comm, world->watch.seconds[stage])};
   stages[HC_STAGE_COUNT] = (hc_timings_stage){"communication", spread(job->comm, waited)};
   hc_comm_sum_i64(job->comm, sums, 2);
-  const hc_timings timings = {.ranks = job->comm->size,
-                              .steps = simulation->step - job->first_step,
-                              .fluid_particles = world->fluid_total,
-                              .boundary_particles = world->boundary_total,
-                              .particle_steps = job->particle_steps,
-                              .wall_seconds = wall,
-                              .simulated_seconds = simulation->time - job->first_time,
-                              .halo_bytes = sums[0],
-                              .messages = sums[1],
-                              .sparse_exchanges = counts.sparse_exchanges,
-                              .reductions = counts.reductions,
-                              .other_collectives = counts.other_collectives,
-                              .gathered_bytes = counts.gathered_bytes,
-                              .rebalances = simulation->balance.count,
-                              .rebalance_seconds = simulation->balance.seconds,
-                              .moved_particles = simulation->balance.moved,
-                              .imbalance = hc_balance_mean_imbalance(&simulation->balance),
-                              .rollbacks = simulation->rollback.guard.rollbacks,
-                              .rollback_steps = simulation->rollback.guard.steps,
-                              .ghosts = spread(job->comm, world->fluid.ghosts + world->boundary.ghosts),
-                              .private_bytes = spread(job->comm, (double)hc_memory_private()),
-                              .memory_bytes = spread(job->comm, (double)hc_memory_peak()),
-                              .stages = stages,
-                              .stage_count = HC_STAGE_COUNT + 1};
+  const hc_timings timings = {
+      .ranks = job->comm->size,
+      .steps = simulation->step - job->first_step,
+      .fluid_particles = world->fluid_total,
+      .boundary_particles = world->boundary_total,
+      .particle_steps = job->particle_steps,
+      .wall_seconds = wall,
+      .simulated_seconds = simulation->time - job->first_time,
+      .halo_bytes = sums[0],
+      .messages = sums[1],
+      .sparse_exchanges = counts.sparse_exchanges,
+      .reductions = counts.reductions,
+      .other_collectives = counts.other_collectives,
+      .gathered_bytes = counts.gathered_bytes,
+      .rebalances = simulation->balance.count,
+      .rebalance_seconds = simulation->balance.seconds,
+      .moved_particles = simulation->balance.moved,
+      .imbalance = hc_balance_mean_imbalance(&simulation->balance),
+      .rollbacks = simulation->rollback.guard.rollbacks,
+      .rollback_steps = simulation->rollback.guard.steps,
+      .ghosts = spread(job->comm, world->fluid->ghosts + world->boundary->ghosts + world->moving->ghosts),
+      .private_bytes = spread(job->comm, (double)hc_memory_private()),
+      .memory_bytes = spread(job->comm, (double)hc_memory_peak()),
+      .stages = stages,
+      .stage_count = HC_STAGE_COUNT + 1};
   for (int k = 0; k <= HC_STAGE_COUNT; k++)
     hc_log_info(&job->log, "time in %-13s %9.3f s (mean of ranks; %.3f to %.3f)", stages[k].name,
                 stages[k].seconds.mean, stages[k].seconds.min, stages[k].seconds.max);
@@ -206,13 +207,13 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
   if (hc_simulation_may_go_back(simulation))
     hc_log_info(&job->log, "rollbacks: %lld, which took back %lld steps",
                 (long long)simulation->rollback.guard.rollbacks, (long long)simulation->rollback.guard.steps);
-  for (int k = 0; k < simulation->emitters.count; k++) {
-    const hc_emitter *emitter = &simulation->emitters.emitters[k];
+  for (int k = 0; k < simulation->population.emitters.count; k++) {
+    const hc_emitter *emitter = &simulation->population.emitters.emitters[k];
     hc_log_info(&job->log, "%s: %lld particles in %lld layers, %lld left out for want of room",
                 hc_prescribed_emitter_name(k).text, (long long)emitter->emitted, (long long)emitter->layers,
                 (long long)emitter->blocked);
   }
-  int64_t digest = (int64_t)hc_state_digest_particles(&simulation->state, HC_FLUID | HC_BOUNDARY);
+  int64_t digest = (int64_t)hc_state_digest_particles(&simulation->state, HC_FLUID | HC_BOUNDARY | HC_MOVED);
   hc_comm_sum_i64(job->comm, &digest, 1);
   hc_log_info(&job->log, "digest of the last state, the same on any number of ranks: %016llx",
               (unsigned long long)((uint64_t)digest + hc_state_digest_items(&simulation->state)));

@@ -6,6 +6,7 @@
 #include "job.h"
 #include "scene/compare.h"
 #include "setup/scene_input.h"
+#include "simulation/footprint.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -150,8 +151,8 @@ bool hc_job_out_of_time(const hc_job *job) {
   const hc_world *world = &job->simulation.world;
   double checkpoint = job->checkpoint_seconds;
   if (checkpoint == 0.0)
-    checkpoint = ((double)world->fluid_total * (double)hc_particles_state_bytes(HC_FLUID) +
-                  (double)world->boundary_total * (double)hc_particles_state_bytes(HC_BOUNDARY)) /
+    checkpoint = ((double)world->fluid_total * hc_footprint_fluid_state(job->scene) +
+                  (double)world->boundary_total * hc_footprint_wall_state(job->scene)) /
                  SLOW_DISK;
   const double needed = 2.0 * (checkpoint + job->slowest_step) + 1.0;
   return hc_seconds() - job->launched + needed >= job->options->walltime;

@@ -71,7 +71,7 @@ static hc_status write_fault(hc_job *job, hc_error *error) {
 
 /* A row of gauges.csv. Collective; only rank 0 can fail. */
 static hc_status read_gauges(hc_job *job, hc_error *error) {
-  hc_gauges_read(&job->gauges, &job->simulation.world.fluid, job->gauge_values);
+  hc_gauges_read(&job->gauges, job->simulation.world.fluid, job->gauge_values);
   return hc_tables_add_gauges(&job->tables, job->simulation.time, job->gauge_values,
                               hc_gauges_columns(job->scene), error);
 }
@@ -113,12 +113,12 @@ static hc_job_load measure_load(hc_job *job, int64_t bytes_before) {
   const int64_t work = (int64_t)(1e9 * balance->step_work);
   const bool first = job->comm->rank == 0;
   int64_t largest[6] = {work,
-                        world->fluid.ghosts + world->boundary.ghosts,
+                        world->fluid->ghosts + world->boundary->ghosts + world->moving->ghosts,
                         job->comm->bytes_sent - bytes_before,
                         hc_stop_signal(),
                         first && hc_job_out_of_time(job),
                         first && hc_job_checkpoint_time(job)};
-  int64_t totals[2] = {world->fluid.own, work};
+  int64_t totals[2] = {world->fluid->own, work};
   hc_comm_max_i64(job->comm, largest, 6);
   hc_comm_sum_i64(job->comm, totals, 2);
   const double imbalance =
@@ -129,7 +129,7 @@ static hc_job_load measure_load(hc_job *job, int64_t bytes_before) {
 
 /* Particles that were taken out: the first ten of a run one by one, then how many. */
 static void tell_departures(hc_job *job, char *event, size_t size) {
-  const hc_departures *departures = &job->simulation.departures;
+  const hc_departures *departures = &job->simulation.population.departures;
   const long long step = (long long)job->simulation.step;
   if (departures->count == 0) return;
   int64_t told = 0;
@@ -147,15 +147,15 @@ static void tell_departures(hc_job *job, char *event, size_t size) {
 /* Emitters' samples that found their place taken. */
 static void tell_blocked(hc_job *job, char *event, size_t size) {
   const hc_simulation *simulation = &job->simulation;
-  if (simulation->blocked == 0) return;
+  if (simulation->population.blocked == 0) return;
   if (!job->counts.blocked)
     hc_log_warn(&job->log,
                 "step %lld: %lld particles of emitters found fluid in their places and are left out; see the "
                 "event blocked in steps.csv, and the summary",
-                (long long)simulation->step, (long long)simulation->blocked);
-  job->counts.blocked += simulation->blocked;
+                (long long)simulation->step, (long long)simulation->population.blocked);
+  job->counts.blocked += simulation->population.blocked;
   snprintf(event + strlen(event), size - strlen(event), "%sblocked:%lld", event[0] ? "+" : "",
-           (long long)simulation->blocked);
+           (long long)simulation->population.blocked);
 }
 
 /* Counts and logs what went wrong in a step; the event words of its row. */
@@ -197,7 +197,7 @@ static void judge_step(hc_job *job, char *event, size_t size) {
 static void tell_rebalance(hc_job *job) {
   hc_balance *balance = &job->simulation.balance;
   const hc_division *division = &job->simulation.world.division;
-  balance->ghosts = job->simulation.world.fluid.ghosts;
+  balance->ghosts = job->simulation.world.fluid->ghosts;
   hc_comm_sum_i64(job->comm, &balance->ghosts, 1);
   hc_log_info(
       &job->log,
@@ -248,7 +248,7 @@ static hc_status step_and_report(hc_job *job, done *done, hc_error *error) {
   char event[128];
   judge_step(job, event, sizeof event);
   hc_explain_time_step(&job->explained, simulation, &job->log);
-  if (simulation->rebalanced) tell_rebalance(job);
+  if (hc_balance_divided_in(&simulation->balance, simulation->step)) tell_rebalance(job);
   done->snapshot = snapshot_due(job, before);
   done->gauges = gauges_due(job, before);
   if (done->snapshot && write_snapshot(job, error) != HC_OK) return error->status;
@@ -269,8 +269,9 @@ static bool checkpoint_due(const hc_job *job, const hc_job_load *load) {
 
 static void join_events(const hc_simulation *simulation, bool snapshot, bool checkpoint, char *event,
                         size_t size) {
-  snprintf(event, size, "%s%s%s", simulation->rebalanced ? "+rebalance" : "", snapshot ? "+snapshot" : "",
-           checkpoint ? "+checkpoint" : "");
+  snprintf(event, size, "%s%s%s",
+           hc_balance_divided_in(&simulation->balance, simulation->step) ? "+rebalance" : "",
+           snapshot ? "+snapshot" : "", checkpoint ? "+checkpoint" : "");
   if (*event) memmove(event, event + 1, strlen(event));
 }
 
@@ -343,7 +344,7 @@ static hc_status fill(hc_job *job, hc_error *error) {
   const hc_status status =
       *job->checkpoint ? hc_job_read_checkpoint(job, error) : hc_simulation_populate(simulation, error);
   if (status != HC_OK) return status;
-  return hc_gauges_find_walls(&job->gauges, &simulation->world.boundary, error);
+  return hc_gauges_find_walls(&job->gauges, simulation->world.boundary, error);
 }
 
 static void run_scene(hc_job *job, hc_error *error) {

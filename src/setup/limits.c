@@ -49,8 +49,8 @@ static extent sweep(const hc_scene *scene, const hc_setup_plan *plan, const hc_m
   return swept;
 }
 
-static void widen_by_motions(const hc_scene *scene, const hc_setup_plan *plan,
-                             const hc_prescribed_motions *motions, extent *to) {
+static void widen_by_motions(const hc_scene *scene, const hc_setup_plan *plan, const hc_movers *motions,
+                             extent *to) {
   for (int k = 0; k < motions->count; k++) {
     const extent swept = sweep(scene, plan, &motions->walls[k]);
     merge(&swept, to);
@@ -67,7 +67,7 @@ static void widen_by_emitters(const hc_emitters *emitters, extent *to) {
 }
 
 /* The limits that a scene has by itself, m. */
-static extent compute(const hc_scene *scene, const hc_setup_plan *plan, const hc_prescribed_motions *motions,
+static extent compute(const hc_scene *scene, const hc_setup_plan *plan, const hc_movers *motions,
                       const hc_emitters *emitters) {
   extent all = nothing;
   if (plan->boundary_count == 0) /* none */
@@ -101,8 +101,8 @@ static hc_status check_blocks(const hc_setup_plan *plan, const hc_limits *limits
 }
 
 /* Positions end 2^31 cells from the origin. */
-static hc_status check_motions(const hc_scene *scene, const hc_setup_plan *plan,
-                               const hc_prescribed_motions *motions, hc_error *error) {
+static hc_status check_motions(const hc_scene *scene, const hc_setup_plan *plan, const hc_movers *motions,
+                               hc_error *error) {
   const double farthest = 0x1p31 * plan->frame.support_radius;
   for (int k = 0; k < motions->count; k++) {
     const int number = motions->walls[k].wall;
@@ -134,10 +134,10 @@ static hc_status check_emitters(const hc_frame *frame, const hc_emitters *emitte
 
 hc_status hc_setup_limits(const hc_scene *scene, const hc_setup_plan *plan, const hc_emitters *emitters,
                           hc_limits *limits, hc_error *error) {
-  hc_prescribed_motions motions = hc_prescribed_motions_make(scene, plan);
+  hc_movers motions = hc_prescribed_movers_make(scene, plan);
   const hc_status status = check_motions(scene, plan, &motions, error);
   const extent computed = compute(scene, plan, &motions, emitters);
-  hc_prescribed_motions_free(&motions);
+  hc_movers_free(&motions);
   if (status != HC_OK) return status;
   for (int axis = 0; axis < 3; axis++) {
     const double low = scene->domain.limits_min[axis], high = scene->domain.limits_max[axis];

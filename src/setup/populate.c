@@ -90,7 +90,7 @@ static void place(const hc_setup_plan *plan, const hc_setup_source *source, int6
     const int64_t shift =
         source->kind == HC_ID_FLUID ? random_shift(plan->seed, id, a, plan->disorder[a]) : 0;
     particles->position[3 * index + a] = hc_frame_wrap(&plan->frame, a, point[a] + shift);
-    if (source->kind == HC_ID_BOUNDARY) particles->reference[3 * index + a] = point[a];
+    if (particles->reference) particles->reference[3 * index + a] = point[a];
   }
   if (source->kind != HC_ID_BOUNDARY) return;
   double normal[3];
@@ -98,16 +98,31 @@ static void place(const hc_setup_plan *plan, const hc_setup_source *source, int6
   for (int a = 0; a < 3; a++) particles->normal[3 * index + a] = (float)normal[a];
 }
 
+/* The part of a source's samples in [first, last) of all. */
+static void part_of(const hc_setup_source *source, int64_t first, int64_t last, int64_t *from, int64_t *to) {
+  const int64_t end = source->first + hc_source_count(source);
+  *from = first > source->first ? first : source->first;
+  *to = last < end ? last : end;
+}
+
+/* Fills a store with what of the samples [first, last) belongs to it. */
 static void generate(const hc_setup_plan *plan, const hc_setup_source *sources, int source_count,
                      int64_t first, int64_t last, hc_particles *particles) {
+  const bool moved = particles->kind & HC_MOVED;
+  int64_t count = 0, from, to;
+  for (int s = 0; s < source_count; s++) {
+    part_of(&sources[s], first, last, &from, &to);
+    if (moved == (sources[s].moves > 0) && to > from) count += to - from;
+  }
   hc_particles_resize(particles, 0); /* what it held before must not live on as state */
-  hc_particles_resize(particles, (int32_t)(last - first));
+  hc_particles_resize(particles, (int32_t)count);
+  int64_t index = 0;
   for (int s = 0; s < source_count; s++) {
     const hc_setup_source *const source = &sources[s];
-    const int64_t end = source->first + hc_source_count(source);
-    const int64_t from = first > source->first ? first : source->first, to = last < end ? last : end;
+    if (moved != (source->moves > 0)) continue;
+    part_of(source, first, last, &from, &to);
     for (int64_t at = from; at < to; at++)
-      place(plan, source, hc_gaps_kept(&source->gaps, at - source->first), particles, at - first);
+      place(plan, source, hc_gaps_kept(&source->gaps, at - source->first), particles, index++);
   }
 }
 
@@ -140,7 +155,7 @@ hc_status hc_setup_check_share(const hc_setup_plan *plan, int rank, int size, hc
 }
 
 hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_particles *fluid,
-                            hc_particles *boundary, hc_error *error) {
+                            hc_particles *boundary, hc_particles *moving, hc_error *error) {
   const hc_status status = hc_setup_check_share(plan, rank, size, error);
   if (status) return status;
   int64_t fluid_first, fluid_last, boundary_first, boundary_last;
@@ -149,5 +164,6 @@ hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_pa
   generate(plan, plan->fluid, plan->fluid_sources, fluid_first, fluid_last, fluid);
   hc_setup_velocities(plan, fluid);
   generate(plan, plan->boundary, plan->boundary_sources, boundary_first, boundary_last, boundary);
+  generate(plan, plan->boundary, plan->boundary_sources, boundary_first, boundary_last, moving);
   return HC_OK;
 }

@@ -37,14 +37,14 @@ void hc_setup_share(int64_t count, int rank, int size, int64_t *first, int64_t *
  * Local. */
 hc_status hc_setup_check_share(const hc_setup_plan *plan, int rank, int size, hc_error *error);
 
-/* Replaces what the two stores hold by the rank's share of the plan: position (wrapped into the periods;
- * fluid shifted off its lattice as the scene asks), id (kind, source, index of the sample), velocity, and of
- * walls the normals and the reference, which is the position but not wrapped; all other state is 0. Together
- * the shares of all ranks are the same particles for any number of ranks. Errors (HC_BAD_INPUT): more than
- * 2^31 - 64 particles of a kind on this rank; the stores are then unchanged. Local: agree on the status
- * afterwards. */
+/* Replaces what the three stores hold (fluid, walls that stand still, walls that move) by the rank's share of
+ * the plan: position (wrapped into the periods; fluid shifted off its lattice as the scene asks), id (kind,
+ * source, index of the sample), velocity, and of walls the normals, of moving ones the reference, which is
+ * the position but not wrapped; all other state is 0. Together the shares of all ranks are the same particles
+ * for any number of ranks. Errors (HC_BAD_INPUT): more than 2^31 - 64 particles of a kind on this rank; the
+ * stores are then unchanged. Local: agree on the status afterwards. */
 hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_particles *fluid,
-                            hc_particles *boundary, hc_error *error);
+                            hc_particles *boundary, hc_particles *moving, hc_error *error);
 
 /* Gives the own particles of `fluid` the velocities that their blocks prescribe at their positions. Local. */
 void hc_setup_velocities(const hc_setup_plan *plan, hc_particles *fluid);

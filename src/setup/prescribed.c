@@ -60,31 +60,26 @@ static double reach_of(const hc_frame *frame, const hc_setup_source *source, con
   return sqrt(square);
 }
 
-hc_prescribed_motions hc_prescribed_motions_make(const hc_scene *scene, const hc_setup_plan *plan) {
-  size_t rows = 0, walls = 0;
+hc_movers hc_prescribed_movers_make(const hc_scene *scene, const hc_setup_plan *plan) {
+  int rows = 0, walls = 0;
   for (int k = 0; k < scene->boundary.wall_count; k++) {
     const hc_wall_motion *motion = &scene->boundary.walls[k].motion;
     walls += motion->type != HC_WALL_STANDS;
-    rows += motion->type == HC_WALL_TABLE ? (size_t)motion->point_count : 0;
+    rows += motion->type == HC_WALL_TABLE ? motion->point_count : 0;
   }
-  hc_prescribed_motions made = {.walls = hc_alloc(walls, sizeof *made.walls),
-                                .rows = hc_alloc(rows, sizeof *made.rows)};
+  hc_movers made;
+  hc_movers_init(&made, walls, rows);
   hc_motion_row *next = made.rows;
+  hc_mover *wall = made.walls;
   for (int k = 0; k < scene->boundary.wall_count; k++) {
     const hc_wall_motion *given = &scene->boundary.walls[k].motion;
     if (given->type == HC_WALL_STANDS) continue;
-    hc_mover *wall = &made.walls[made.count++];
     *wall = (hc_mover){.wall = k, .motion = motion_of(given, next)};
     wall->reach = reach_of(&plan->frame, &plan->boundary[k], wall->motion.centre);
     next += wall->motion.row_count;
+    wall++;
   }
   return made;
-}
-
-void hc_prescribed_motions_free(hc_prescribed_motions *motions) {
-  hc_free(motions->walls);
-  hc_free(motions->rows);
-  memset(motions, 0, sizeof *motions);
 }
 
 void hc_prescribed_sweep(const hc_motion *motion, double until, double low[3], double high[3]) {
@@ -105,8 +100,7 @@ void hc_prescribed_sweep(const hc_motion *motion, double until, double low[3], d
   }
 }
 
-double hc_prescribed_speed(const hc_prescribed_motions *motions, const hc_emitters *emitters, double time,
-                           double ahead) {
+double hc_prescribed_speed(const hc_movers *motions, const hc_emitters *emitters, double time, double ahead) {
   double largest = hc_emitters_speed(emitters, time, ahead);
   for (int k = 0; k < motions->count; k++)
     largest = fmax(largest, hc_mover_speed(&motions->walls[k], time, ahead));

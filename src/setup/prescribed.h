@@ -6,23 +6,14 @@
 #include "setup/populate.h"
 #include "sources/emitters.h"
 
-/* The walls that move, by number, and the rows of their tables. Freed with hc_prescribed_motions_free. */
-typedef struct hc_prescribed_motions {
-  hc_mover *walls;
-  hc_motion_row *rows;
-  int count;
-} hc_prescribed_motions;
-
-/* `plan` is that of the same scene. Local. */
-hc_prescribed_motions hc_prescribed_motions_make(const hc_scene *scene, const hc_setup_plan *plan);
-void hc_prescribed_motions_free(hc_prescribed_motions *motions);
+/* The walls that move; `plan` is that of the same scene. Freed with hc_movers_free. Local. */
+hc_movers hc_prescribed_movers_make(const hc_scene *scene, const hc_setup_plan *plan);
 
 /* Widens a box of positions, m, to where the motion brings it until a time. Local. */
 void hc_prescribed_sweep(const hc_motion *motion, double until, double low[3], double high[3]);
 
 /* The largest speed of a wall or of what comes in at a time or `ahead` later, m/s. Local. */
-double hc_prescribed_speed(const hc_prescribed_motions *motions, const hc_emitters *emitters, double time,
-                           double ahead);
+double hc_prescribed_speed(const hc_movers *motions, const hc_emitters *emitters, double time, double ahead);
 
 /* What messages call an emitter: fluid.emitters[2]. */
 hc_source_name hc_prescribed_emitter_name(int number);

@@ -209,3 +209,10 @@ double hc_settings_settle_step(const hc_scene *scene) {
 double hc_settings_longest_step(const hc_scene *scene) {
   return fmax(scene->time_step.max, scene->time_step.size);
 }
+
+unsigned hc_settings_features(const hc_scene *scene) {
+  unsigned features = hc_settings_solver_ops(scene)->features | hc_settings_boundary(scene)->features;
+  for (int k = 0; k < scene->boundary.wall_count; k++)
+    if (scene->boundary.walls[k].motion.type != HC_WALL_STANDS) features |= HC_FOR_MOVERS;
+  return features;
+}

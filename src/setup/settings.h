@@ -22,6 +22,9 @@ double hc_settings_longest_step(const hc_scene *scene);
  * squared speed of all fluid particles, m2/s2. */
 hc_step_report hc_settings_start_report(const hc_scene *scene, double v2_max);
 
+/* The features of a run (HC_FOR_*), by which its particles have the fields that it needs. */
+unsigned hc_settings_features(const hc_scene *scene);
+
 /* The boundary method, and the factor that its `prepare` takes. */
 const hc_boundary_ops *hc_settings_boundary(const hc_scene *scene);
 double hc_settings_wall_factor(const hc_scene *scene);

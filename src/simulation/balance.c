@@ -29,6 +29,7 @@ void hc_balance_init(hc_balance *balance, const hc_scene *scene) {
   balance->scene = scene;
   balance->interval = balance->next_look = SHORTEST_INTERVAL;
   balance->imbalance = 1.0;
+  balance->divided = -1;
 }
 
 void hc_balance_go_on(hc_balance *balance, int64_t step) {
@@ -78,7 +79,7 @@ static void divide(hc_balance *balance, hc_world *world, int64_t step) {
   balance->seconds += took[0];
   balance->moved += world->division.moving;
   balance->count++;
-  balance->last = step;
+  balance->last = balance->divided = step;
   balance->last_imbalance = balance->imbalance;
 }
 
@@ -95,12 +96,12 @@ static bool judge(hc_balance *balance) {
   return helped;
 }
 
-bool hc_balance_look(hc_balance *balance, hc_world *world, int64_t step) {
+void hc_balance_look(hc_balance *balance, hc_world *world, int64_t step) {
   const hc_scene *scene = balance->scene;
   const int64_t at = scene->parallel.rebalance_at, every = scene->parallel.rebalance_every;
   const bool forced = (at > 0 && step == at) || (every > 0 && step > 0 && step % every == 0);
   const bool due = scene->parallel.rebalance != HC_REBALANCE_NONE && step >= balance->next_look;
-  if (!forced && !due) return false;
+  if (!forced && !due) return;
   hc_stopwatch_enter(&world->watch, HC_STAGE_BALANCE);
   const double saved = measure(balance, world->comm);
   const bool helped = judge(balance);
@@ -111,5 +112,8 @@ bool hc_balance_look(hc_balance *balance, hc_world *world, int64_t step) {
   balance->next_look = step + (forced || worth ? SHORTEST_INTERVAL : balance->interval);
   balance->work = 0.0;
   balance->work_steps = 0;
-  return forced || worth;
+}
+
+bool hc_balance_divided_in(const hc_balance *balance, int64_t step) {
+  return balance->divided >= 0 && balance->divided == step - 1;
 }

@@ -18,7 +18,8 @@
 typedef struct hc_balance {
   const hc_scene *scene;       /* the caller's */
   int64_t interval, next_look; /* steps between two looks; the step of the next */
-  int64_t last;                /* step of the last rebalance, 0 if there was none */
+  int64_t last;                /* steps done at the last rebalance, 0 if there was none */
+  int64_t divided;             /* the same; -1 if there was none in this session */
   double last_imbalance;       /* measured before it; 0: not to be judged any more */
   double cost; /* the slowest rank's work at the last rebalance, s; 0 before the first, which is free */
   double started, step_work,
@@ -38,9 +39,11 @@ void hc_balance_init(hc_balance *balance, const hc_scene *scene);
 /* A run that goes on: `step` steps have been done before. Local. */
 void hc_balance_go_on(hc_balance *balance, int64_t step);
 
-/* Before a step's update of the world; `step` steps are done. True if the world was divided anew. Collective.
- */
-bool hc_balance_look(hc_balance *balance, hc_world *world, int64_t step);
+/* Before the world is placed for a step; `step` steps are done. Collective. */
+void hc_balance_look(hc_balance *balance, hc_world *world, int64_t step);
+
+/* Was the world divided anew as this step began? Local. */
+bool hc_balance_divided_in(const hc_balance *balance, int64_t step);
 
 /* Around the work of a step, its update included. Local. */
 void hc_balance_start(hc_balance *balance, const hc_comm *comm);

@@ -28,7 +28,7 @@ typedef struct failure {
 
 static double nearest_of(const hc_world *world, const hc_neighbors *list, const hc_particles *others,
                          int32_t i) {
-  const int32_t *own = world->fluid.place[i].x;
+  const int32_t *own = world->fluid->place[i].x;
   double nearest = INFINITY;
   for (int k = 0; k < list->count[i]; k++) {
     const uint32_t offset = list->offset[(size_t)list->start[i] * HC_LIST_GROUP + (size_t)k];
@@ -48,9 +48,9 @@ static double nearest_of(const hc_world *world, const hc_neighbors *list, const 
  */
 static void box_of_walls(const hc_world *world, int64_t box[6]) {
   for (int k = 0; k < 6; k++) box[k] = INT64_MIN;
-  for (int32_t k = 0; k < world->boundary.own; k++)
+  for (int32_t k = 0; k < world->boundary->own; k++)
     for (int axis = 0; axis < 3; axis++) {
-      const int64_t x = world->boundary.position[3 * (size_t)k + (size_t)axis];
+      const int64_t x = world->boundary->position[3 * (size_t)k + (size_t)axis];
       if (-x > box[axis]) box[axis] = -x;
       if (x > box[3 + axis]) box[3 + axis] = x;
     }
@@ -70,7 +70,7 @@ static bool is_below(const hc_simulation *simulation, const int64_t box[6], cons
 
 static victim describe(const hc_simulation *simulation, const int64_t box[6], int32_t i) {
   const hc_world *world = &simulation->world;
-  const hc_particles *fluid = &world->fluid;
+  const hc_particles *fluid = world->fluid;
   const double *v = &fluid->velocity[3 * (size_t)i];
   const int64_t *x = &fluid->position[3 * (size_t)i];
   const double rest = simulation->scene->fluid.rest_density, spacing = simulation->scene->particle_spacing;
@@ -79,7 +79,7 @@ static victim describe(const hc_simulation *simulation, const int64_t box[6], in
                   .speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]),
                   .density_error = (double)fluid->density[i] / rest - 1.0,
                   .nearest = fmin(nearest_of(world, &world->list, fluid, i),
-                                  nearest_of(world, &world->walls, &world->boundary, i)) /
+                                  nearest_of(world, &world->walls, world->boundary, i)) /
                              spacing,
                   .below = is_below(simulation, box, x)};
   for (int axis = 0; axis < 3; axis++) found.at[axis] = hc_frame_to_metres(&world->frame, axis, x[axis]);
@@ -92,8 +92,8 @@ static victim find_victim(hc_simulation *simulation, uint64_t id) {
   int64_t box[6], owner = -1;
   victim found = {-1, -1, {NAN, NAN, NAN}, NAN, NAN, NAN, false};
   box_of_walls(&simulation->world, box);
-  for (int32_t k = 0; k < simulation->world.fluid.own; k++) {
-    if (simulation->world.fluid.id[k] != id) continue;
+  for (int32_t k = 0; k < simulation->world.fluid->own; k++) {
+    if (simulation->world.fluid->id[k] != id) continue;
     owner = comm->rank;
     found = describe(simulation, box, k);
   }
@@ -256,7 +256,7 @@ void hc_failure_explain(hc_simulation *simulation, double dt, const hc_step_repo
 
 /* The first particle by id at or behind the middle of all ids. Collective. */
 static uint64_t middle_particle(hc_simulation *simulation) {
-  const hc_particles *fluid = &simulation->world.fluid;
+  const hc_particles *fluid = simulation->world.fluid;
   int64_t ends[2] = {INT64_MIN, INT64_MIN}, middle = INT64_MAX; /* -smallest, largest */
   for (int32_t k = 0; k < fluid->own; k++) {
     const int64_t id = (int64_t)fluid->id[k];
@@ -277,7 +277,7 @@ void hc_failure_inject(hc_simulation *simulation) {
   const bool nan = scene->faults.nan_at == simulation->step, kick = scene->faults.kick_at == simulation->step;
   if (simulation->step == 0 || (!nan && !kick)) return;
   const uint64_t id = middle_particle(simulation);
-  hc_particles *fluid = &simulation->world.fluid;
+  hc_particles *fluid = simulation->world.fluid;
   for (int32_t k = 0; k < fluid->own; k++)
     if (fluid->id[k] == id) fluid->velocity[3 * (size_t)k] = nan ? NAN : 1e5;
 }

@@ -1,23 +1,68 @@
 #include "footprint.h"
 
+#include "setup/settings.h"
 #include "state/copy.h"
 
 #include <math.h>
 
 enum {
-  FLUID = 170,
-  NEIGHBORS = 20 /* times the cube of the support radius in spacings */
+  SORT = 20, /* slot and order of cells, and the permutation's scratch */
+  ROW = 6,   /* start and count of a list's row */
+  ENTRIES =
+      20,     /* bytes of a row's entries, times the cube of the support radius in spacings: fluid at rest */
+  CELLS = 15, /* bytes of a brick's tables for a particle, where eight fill a cell */
+  EXCHANGE = 48 /* a ghost's share of cells and messages, its owner's included */
 };
+
+/* Arrays grow by a sixteenth beyond what is asked; half of that is touched. */
+static const double SLACK = 1.03;
+
+static bool any_moves(const hc_scene *scene) {
+  return hc_settings_features(scene) & HC_FOR_MOVERS;
+}
+
+static double entries(const hc_scene *scene) {
+  return ENTRIES * pow(scene->support_radius / scene->particle_spacing, 3);
+}
+
+/* Boundary particles of scenes where some walls move are taken for moving ones. */
+static unsigned wall_kind(const hc_scene *scene) {
+  return any_moves(scene) ? HC_BOUNDARY | HC_MOVED : HC_BOUNDARY;
+}
 
 double hc_footprint_fluid(const hc_scene *scene) {
   /* to go back to, and one more while a checkpoint is written */
-  const int copies = scene->time_step.control == HC_TIME_ADAPTIVE ? HC_STATE_HISTORY + 1 : 0;
-  return FLUID + NEIGHBORS * pow(scene->support_radius / scene->particle_spacing, 3) +
-         copies * (double)hc_particles_state_bytes(HC_FLUID);
+  const int copies = hc_settings_step(scene).control == HC_STEP_ADAPTIVE ? HC_STATE_HISTORY + 1 : 0;
+  const bool rigid = hc_settings_boundary(scene)->collide != NULL;
+  return SLACK * ((double)hc_particles_bytes(HC_FLUID, hc_settings_features(scene)) + SORT + CELLS + 2 * ROW +
+                  entries(scene) + (rigid ? 2 * sizeof(hc_record) : 0)) +
+         copies * hc_footprint_fluid_state(scene);
+}
+
+double hc_footprint_wall(const hc_scene *scene) {
+  return SLACK * ((double)hc_particles_bytes(wall_kind(scene), hc_settings_features(scene)) + SORT +
+                  2 * CELLS + ROW + 0.5 * entries(scene)); /* the wetted, or the volumes of the start */
+}
+
+double hc_footprint_ghost(const hc_scene *scene) {
+  double records = 0.0;
+  for (int field = 0; field < HC_FIELD_COUNT; field++)
+    if (hc_field_is_there(&hc_fields[field], HC_FLUID, hc_settings_features(scene)) &&
+        (hc_fields[field].flags & HC_GHOST))
+      records += (double)hc_fields[field].bytes;
+  return records + EXCHANGE;
+}
+
+double hc_footprint_fluid_state(const hc_scene *scene) {
+  return (double)hc_particles_state_bytes(HC_FLUID, hc_settings_features(scene));
+}
+
+double hc_footprint_wall_state(const hc_scene *scene) {
+  return (double)hc_particles_state_bytes(wall_kind(scene), hc_settings_features(scene));
 }
 
 double hc_footprint_least(const hc_scene *scene, const hc_setup_plan *plan, int64_t ranks) {
   return HC_FOOTPRINT_PROGRAM + (hc_footprint_fluid(scene) * (double)plan->fluid_count +
-                                 HC_FOOTPRINT_WALL * (double)plan->boundary_count) /
+                                 hc_footprint_wall(scene) * (double)plan->boundary_count) /
                                     (double)ranks;
 }

@@ -35,24 +35,24 @@ static hc_status check_memory(hc_comm *comm, const hc_scene *scene, const hc_set
 
 /* Puts moving walls where they stand now; `held`: without their speed. */
 static void pose_walls(hc_simulation *simulation, bool held) {
-  hc_world_pose_walls(&simulation->world, simulation->time, hc_settings_longest_step(simulation->scene),
-                      held);
+  hc_movers_pose(&simulation->movers, &simulation->world, simulation->time,
+                 hc_settings_longest_step(simulation->scene), held);
 }
 
 void hc_simulation_pose_walls(hc_simulation *simulation) {
   pose_walls(simulation, false);
 }
 
-double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_prescribed_motions *motions,
+double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_movers *movers,
                                       const hc_emitters *emitters) {
-  return hc_prescribed_speed(motions, emitters, 0.0, hc_settings_longest_step(scene));
+  return hc_prescribed_speed(movers, emitters, 0.0, hc_settings_longest_step(scene));
 }
 
 /* Lets the start come to rest: steps of gravity and pressure that forget all momentum; then every particle
  * gets the velocity of the place it has come to. The pressure stays. */
 static hc_status settle(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
-  hc_particles *fluid = &world->fluid;
+  hc_particles *fluid = world->fluid;
   hc_solver_settings settings = simulation->solver_settings;
   settings.viscosity = HC_VISCOUS_NONE;
   const double dt = hc_settings_settle_step(simulation->scene);
@@ -76,9 +76,10 @@ static hc_status settle(hc_simulation *simulation, hc_error *error) {
 static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   hc_comm *comm = simulation->comm;
   hc_world *world = &simulation->world;
-  hc_setup_generate(&simulation->plan, comm->rank, comm->size, &world->fluid, &world->boundary, error);
+  hc_setup_generate(&simulation->plan, comm->rank, comm->size, world->fluid, world->boundary, world->moving,
+                    error);
   if (hc_comm_agree(comm, error) != HC_OK) return error->status;
-  hc_movers_start(&world->boundary);
+  hc_movers_start(world->moving);
   pose_walls(simulation, simulation->scene->fluid.settle_steps > 0);
   hc_world_start(world, hc_balance_first_divider(simulation->scene));
   if (simulation->scene->fluid.settle_steps > 0 && settle(simulation, error) != HC_OK) return error->status;
@@ -97,7 +98,7 @@ double hc_simulation_fastest(const hc_particles *fluid) {
 }
 
 void hc_simulation_fill_derived(hc_simulation *simulation) {
-  hc_particles *fluid = &simulation->world.fluid;
+  hc_particles *fluid = simulation->world.fluid;
   memset(fluid->pressure, 0, (size_t)fluid->own * sizeof *fluid->pressure);
   simulation->solver->densities(&simulation->world, &simulation->solver_settings);
   memset(fluid->acceleration, 0, 3 * (size_t)fluid->own * sizeof *fluid->acceleration);
@@ -105,7 +106,8 @@ void hc_simulation_fill_derived(hc_simulation *simulation) {
 
 static void register_state(hc_simulation *simulation) {
   hc_state *state = &simulation->state;
-  hc_state_init(state, &simulation->world.fluid, &simulation->world.boundary);
+  hc_state_init(state);
+  for (int k = 0; k < HC_STORE_COUNT; k++) hc_state_add_store(state, &simulation->world.stores[k].particles);
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->step, "step");
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->time, "time");
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->dt, "dt");
@@ -113,7 +115,7 @@ static void register_state(hc_simulation *simulation) {
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.force_max, "force_max");
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->capped_at, "capped_at");
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->world.fluid_total, "fluid_total");
-  hc_emitters_register(&simulation->emitters, state);
+  hc_population_register(&simulation->population, state);
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_avg, "density_error_avg");
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_max, "density_error_max");
   hc_rollback_register(&simulation->rollback, state);
@@ -122,7 +124,7 @@ static void register_state(hc_simulation *simulation) {
 /* Fluid that is squeezed from the start, as too near to a wall, explodes: the pressure that pushes it apart
  * in one step knows no bounds. PCISPH is told how much it may be. Collective. */
 static hc_status refuse_dense_start(hc_simulation *simulation, hc_error *error) {
-  const hc_particles *fluid = &simulation->world.fluid;
+  const hc_particles *fluid = simulation->world.fluid;
   const hc_frame *frame = &simulation->world.frame;
   if (simulation->scene->solver.method != HC_SOLVER_PCISPH) return HC_OK;
   int32_t worst = 0;
@@ -148,13 +150,15 @@ static hc_status refuse_dense_start(hc_simulation *simulation, hc_error *error) 
 static hc_status plan_particles(hc_simulation *simulation, hc_error *error) {
   hc_setup_plan *plan = &simulation->plan;
   const hc_scene *scene = simulation->scene;
-  if (hc_prescribed_emitters_make(scene, &simulation->world.frame, &simulation->emitters, error) == HC_OK &&
+  if (hc_prescribed_emitters_make(scene, &simulation->world.frame, &simulation->population.emitters, error) ==
+          HC_OK &&
       hc_setup_plan_make(scene, &simulation->world.frame, plan, error) == HC_OK &&
-      hc_setup_limits(scene, plan, &simulation->emitters, &simulation->limits, error) == HC_OK)
+      hc_setup_limits(scene, plan, &simulation->population.emitters, &simulation->population.limits, error) ==
+          HC_OK)
     check_memory(simulation->comm, scene, plan, error);
   if (hc_comm_agree(simulation->comm, error) != HC_OK) return error->status;
-  simulation->motions = hc_prescribed_motions_make(scene, plan);
-  hc_movers_init(&simulation->world.moving, simulation->motions.walls, simulation->motions.count);
+  simulation->movers = hc_prescribed_movers_make(scene, plan);
+  simulation->population.remove = scene->domain.leaving == HC_LEAVING_REMOVE;
   register_state(simulation);
   return HC_OK;
 }
@@ -182,6 +186,7 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
       .volume_factor = volume_factor,
       .contact_limit = scene->boundary.contact ? hc_setup_contact_limit(ratio, volume_factor) : 0.0,
       .boundary_ops = hc_settings_boundary(scene),
+      .features = hc_settings_features(scene),
       .isa = simulation->isa};
   hc_world_init(&simulation->world, comm, &settings);
   if (plan_particles(simulation, error) != HC_OK) hc_simulation_free(simulation);
@@ -193,8 +198,8 @@ hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error) {
   if (fill_world(simulation, error) != HC_OK) return error->status;
   hc_simulation_fill_derived(simulation);
   if (refuse_dense_start(simulation, error) != HC_OK) return error->status;
-  simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
-  double v2_max = hc_simulation_fastest(&world->fluid);
+  simulation->imbalance = hc_domain_imbalance(&world->domain, world->fluid);
+  double v2_max = hc_simulation_fastest(world->fluid);
   hc_comm_max_f64(simulation->comm, &v2_max, 1);
   simulation->report = hc_settings_start_report(simulation->scene, v2_max);
   return HC_OK;
@@ -205,7 +210,7 @@ void hc_simulation_adopt(hc_simulation *simulation) {
   pose_walls(simulation, false);
   hc_world_distribute(world, hc_balance_first_divider(simulation->scene));
   hc_world_update(world);
-  simulation->imbalance = hc_domain_imbalance(&world->domain, &world->fluid);
+  simulation->imbalance = hc_domain_imbalance(&world->domain, world->fluid);
   hc_balance_go_on(&simulation->balance, simulation->step);
   hc_setup_plan_free(&simulation->plan);
 }
@@ -220,8 +225,8 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
 void hc_simulation_free(hc_simulation *simulation) {
   hc_setup_plan_free(&simulation->plan);
   hc_rollback_free(&simulation->rollback);
-  hc_prescribed_motions_free(&simulation->motions);
-  hc_emitters_free(&simulation->emitters);
+  hc_movers_free(&simulation->movers);
+  hc_population_free(&simulation->population);
   hc_state_free(&simulation->state);
   hc_world_free(&simulation->world);
 }
@@ -237,17 +242,18 @@ bool hc_simulation_may_go_back(const hc_simulation *simulation) {
 /* Bodies will raise v_max here too. */
 hc_step_report hc_simulation_seen_by_control(const hc_simulation *simulation) {
   hc_step_report report = simulation->report;
-  report.v_max = fmax(report.v_max, simulation->world.moving.speed);
-  report.v_max = fmax(report.v_max, hc_emitters_speed(&simulation->emitters, simulation->time,
-                                                      hc_settings_longest_step(simulation->scene)));
+  report.v_max = fmax(report.v_max, simulation->movers.speed);
+  report.v_max = fmax(report.v_max, hc_population_speed(&simulation->population, simulation->time,
+                                                        hc_settings_longest_step(simulation->scene)));
   return report;
 }
 
 hc_moment hc_simulation_moment(const hc_simulation *simulation) {
   const hc_world *world = &simulation->world;
   return (hc_moment){.frame = &world->frame,
-                     .fluid = &world->fluid,
-                     .boundary = &world->boundary,
+                     .fluid = world->fluid,
+                     .boundary = world->boundary,
+                     .moving = world->moving,
                      .step = simulation->step,
                      .time = simulation->time,
                      .dt = simulation->dt,

@@ -3,7 +3,7 @@
 #define HC_SIMULATION_H
 
 #include "balance.h"
-#include "leaving.h"
+#include "population.h"
 #include "rollback.h"
 #include "scene/scene.h"
 #include "setup/populate.h"
@@ -26,16 +26,12 @@ typedef struct hc_simulation {
   double dt;    /* the last step's, s; 0 before the first */
   hc_step_bound bound;
   hc_step_report report;
-  hc_setup_plan plan;            /* of the scene's particles; let go once they are there */
-  hc_limits limits;              /* of the world */
-  hc_prescribed_motions motions; /* of walls */
-  hc_emitters emitters;
-  int64_t emitted, blocked; /* particles that emitters brought in, and left out, as the last step began */
-  hc_departures departures; /* taken out as the last step began */
-  int64_t capped_at;        /* the last step in which the density solver was at its cap; 0: none */
-  double imbalance;         /* largest over mean number of own fluid particles at the start */
+  hc_setup_plan plan; /* of the scene's particles; let go once they are there */
+  hc_movers movers;
+  hc_population population;
+  int64_t capped_at; /* the last step in which the density solver was at its cap; 0: none */
+  double imbalance;  /* largest over mean number of own fluid particles at the start */
   hc_balance balance;
-  bool rebalanced;      /* in the last step */
   hc_rollback rollback; /* of the last call, and what the next may go back to */
   hc_state state;       /* all that the next step reads; callers may add what is theirs */
 } hc_simulation;
@@ -63,7 +59,7 @@ bool hc_simulation_done(const hc_simulation *simulation);
 /* May the run's steps be taken back? Local. */
 bool hc_simulation_may_go_back(const hc_simulation *simulation);
 
-/* Puts moving walls where they stand at simulation->time; hc_world_update must follow. Collective. */
+/* Puts moving walls where they stand at simulation->time; hc_world_place must follow. Collective. */
 void hc_simulation_pose_walls(hc_simulation *simulation);
 
 /* The last report as the choice of the next step sees it: v_max counts all that moves, not only the fluid.
@@ -88,7 +84,7 @@ double hc_simulation_fastest(const hc_particles *fluid);
 
 /* The largest speed that the scene prescribes for the start of a run, m/s: it counts as that of the fluid in
  * the choice of the time step. Local. */
-double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_prescribed_motions *motions,
+double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_movers *movers,
                                       const hc_emitters *emitters);
 
 #endif

@@ -33,27 +33,9 @@ static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) 
   if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
                                error) != HC_OK)
     return error->status;
-  if (simulation->scene->domain.leaving == HC_LEAVING_REMOVE) return HC_OK;
-  hc_leaving_watch(world, &simulation->limits, fault);
+  if (simulation->population.remove) return HC_OK;
+  hc_population_watch(&simulation->population, world, fault);
   return hc_fault_agree(world->comm, dt, fault, error);
-}
-
-/* The neighbourhoods of the moment, with what the emitters bring in: a place is free or not among the
- * particles as they are before. */
-static void meet(hc_simulation *simulation) {
-  hc_world *world = &simulation->world;
-  hc_emitters *emitters = &simulation->emitters;
-  hc_simulation_pose_walls(simulation);
-  if (simulation->step > 0 || world->walls_moved) hc_world_update(world);
-  int64_t blocked = 0;
-  for (int k = 0; k < emitters->count; k++) blocked -= emitters->emitters[k].blocked;
-  simulation->emitted =
-      hc_emitters_release(emitters, &world->domain, &world->cells, &world->fluid, simulation->time);
-  for (int k = 0; k < emitters->count; k++) blocked += emitters->emitters[k].blocked;
-  simulation->blocked = blocked;
-  if (simulation->emitted == 0) return;
-  world->fluid_total += simulation->emitted;
-  hc_world_update(world);
 }
 
 /* May a shorter step do better? */
@@ -101,16 +83,16 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   const hc_step_report before = simulation->report;
   simulation->rollback.back = 0;
   if (hc_simulation_may_go_back(simulation)) hc_rollback_remember(&simulation->rollback, &simulation->state);
-  simulation->departures.count = 0;
   if (simulation->step > 0) {
-    if (simulation->scene->domain.leaving == HC_LEAVING_REMOVE)
-      hc_leaving_remove(world, &simulation->limits, &simulation->departures);
     hc_failure_inject(simulation);
-    simulation->rebalanced = hc_balance_look(&simulation->balance, world, simulation->step);
+    hc_balance_look(&simulation->balance, world, simulation->step);
   }
   hc_balance_start(&simulation->balance, simulation->comm);
-  meet(simulation);
+  hc_simulation_pose_walls(simulation);
+  hc_world_place(world);
+  if (hc_population_change(&simulation->population, world, simulation->time)) hc_world_place(world);
   const double dt = choose_step(simulation);
+  hc_world_list(world, NULL);
   advance(simulation, dt, error);
   hc_balance_stop(&simulation->balance, simulation->comm);
   if (hc_simulation_may_go_back(simulation)) {

@@ -33,11 +33,12 @@ typedef struct solved {
   double average, max;
 } solved;
 
-/* Starts the multiplier of own particles [begin, end) from the last step's where the error says so. */
-static void warm_start(const solve *solve, int32_t begin, int32_t end) {
-  hc_record *place = solve->world->fluid.place;
+/* Starts the multiplier of selected particles from the last step's where the error says so. */
+static void warm_start(const solve *solve, hc_selection selection) {
+  hc_record *place = solve->world->fluid->place;
   const bool always = solve->rule.signed_error;
-  for (int32_t i = begin; i < end; i++) {
+  for (int32_t row = selection.begin; row < selection.end; row++) {
+    const int32_t i = hc_selected(selection, row);
     place[i].scalar = always || place[i].scalar > 0.0f ? solve->warm * solve->multiplier[i] : 0.0f;
     solve->multiplier[i] = 0.0f;
   }
@@ -47,14 +48,13 @@ static void warm_start(const solve *solve, int32_t begin, int32_t end) {
  * density rates ready, from the density sweep. */
 typedef enum prediction { FROM_RATES, FIRST, AGAIN } prediction;
 
-static void predict_range(const solve *solve, prediction which, int32_t begin, int32_t end,
-                          hc_error_total *total) {
+static void predict_part(const solve *solve, prediction which, hc_selection part, hc_error_total *total) {
   hc_world *world = solve->world;
   if (which == FROM_RATES)
-    hc_error_from_rate(&world->sweep, &solve->rule, begin, end, total);
+    hc_error_from_rate(&world->sweep, &solve->rule, part, total);
   else
-    world->sweeps->error(&world->sweep, &solve->rule, begin, end, total);
-  if (which != AGAIN) warm_start(solve, begin, end);
+    world->sweeps->error(&world->sweep, &solve->rule, part, total);
+  if (which != AGAIN) warm_start(solve, part);
 }
 
 /* Predicts the errors of all own particles and gives ghosts their multipliers. */
@@ -62,21 +62,22 @@ static hc_error_total predict(const solve *solve, prediction which) {
   hc_world *world = solve->world;
   hc_error_total total;
   memset(&total, 0, sizeof total);
-  predict_range(solve, which, 0, world->fluid.border, &total);
-  hc_halo_begin(&world->halo, HC_HALO_PLACE_SCALAR);
-  predict_range(solve, which, world->fluid.border, world->fluid.own, &total);
-  hc_halo_end(&world->halo);
+  predict_part(solve, which, hc_select_border(world->listed, world->fluid), &total);
+  hc_halo_begin(world->halo, HC_SCALAR(place));
+  predict_part(solve, which, hc_select_interior(world->listed, world->fluid), &total);
+  hc_halo_end(world->halo);
   return total;
 }
 
 /* Corrects velocities by the multipliers in place.scalar. */
 static void correct(const solve *solve) {
   hc_world *world = solve->world;
-  const int32_t border = world->fluid.border, own = world->fluid.own;
-  world->sweeps->pressure(&world->sweep, solve->weight, solve->multiplier, 0, border);
-  hc_halo_begin(&world->halo, HC_HALO_MOTION);
-  world->sweeps->pressure(&world->sweep, solve->weight, solve->multiplier, border, own);
-  hc_halo_end(&world->halo);
+  world->sweeps->pressure(&world->sweep, solve->weight, solve->multiplier,
+                          hc_select_border(world->listed, world->fluid));
+  hc_halo_begin(world->halo, HC_WHOLE(motion));
+  world->sweeps->pressure(&world->sweep, solve->weight, solve->multiplier,
+                          hc_select_interior(world->listed, world->fluid));
+  hc_halo_end(world->halo);
 }
 
 /* Algorithms 3 and 4: predict, then correct and predict until the average error is below the threshold. */
@@ -112,7 +113,7 @@ static solved correct_divergence_error(hc_world *world, const hc_solver_settings
                        .rule = {0.0f, 1.0f, settings->min_divergence_neighbors, settings->negative_pressure,
                                 (float)settings->relaxation},
                        .weight = 1.0f,
-                       .multiplier = world->fluid.divergence_multiplier,
+                       .multiplier = world->fluid->divergence_multiplier,
                        .warm = dt_before > 0.0 ? (float)(settings->warm_start * (dt / dt_before)) : 0.0f,
                        .threshold = settings->divergence_error / dt,
                        .min = settings->divergence_min,
@@ -127,7 +128,7 @@ static solved correct_density_error(hc_world *world, const hc_solver_settings *s
   const solve solve = {.world = world,
                        .rule = {1.0f, (float)dt, 0, settings->negative_pressure, (float)settings->relaxation},
                        .weight = (float)(1.0 / dt),
-                       .multiplier = world->fluid.pressure_multiplier,
+                       .multiplier = world->fluid->pressure_multiplier,
                        .warm = (float)(settings->warm_start * ratio * ratio),
                        .threshold = settings->density_error_avg,
                        .min = settings->density_min,
@@ -138,13 +139,13 @@ static solved correct_density_error(hc_world *world, const hc_solver_settings *s
 /* v += dt * non-pressure accelerations; ghosts too. */
 static void apply_forces(hc_world *world, const hc_solver_settings *settings, double dt,
                          hc_step_report *report) {
-  const int32_t border = world->fluid.border, own = world->fluid.own;
+  const int32_t border = world->fluid->border, own = world->fluid->own;
   const float *change = hc_find_forces(world, settings, dt);
   hc_accelerate(world, settings, change, dt, 0, border);
-  hc_halo_begin(&world->halo, HC_HALO_MOTION);
+  hc_halo_begin(world->halo, HC_WHOLE(motion));
   hc_accelerate(world, settings, change, dt, border, own);
   report->force_max = hc_largest_force(world, settings, dt, change, NULL);
-  hc_halo_end(&world->halo);
+  hc_halo_end(world->halo);
 }
 
 static void store_pressure(hc_particles *fluid, double rest_density, double dt) {
@@ -163,7 +164,7 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
 
   /* densities rho_i, factors alpha_i; and already the rates D rho_i/Dt, from the same neighbours */
   hc_stopwatch_enter(&world->watch, HC_STAGE_DENSITY);
-  world->sweeps->density(&world->sweep, 0, world->fluid.own);
+  world->sweeps->density(&world->sweep, world->listed);
   hc_fault_watch_density(world, &report->fault);
 
   /* correctDivergenceError(alpha, v) */
@@ -180,7 +181,7 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
 
   /* x += dt * v */
   hc_stopwatch_enter(&world->watch, HC_STAGE_MOVE);
-  store_pressure(&world->fluid, settings->rest_density, dt);
+  store_pressure(world->fluid, settings->rest_density, dt);
   report->density_iterations = density.iterations;
   report->density_capped = density.capped;
   report->density_error_avg = density.average;
@@ -193,7 +194,7 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
 
 static void densities(hc_world *world, const hc_solver_settings *settings) {
   (void)settings;
-  world->sweeps->density(&world->sweep, 0, world->fluid.own);
+  world->sweeps->density(&world->sweep, world->listed);
 }
 
-const hc_solver_ops hc_solver_dfsph = {"dfsph", step, densities};
+const hc_solver_ops hc_solver_dfsph = {"dfsph", HC_FOR_DFSPH, step, densities};

@@ -16,7 +16,7 @@ void hc_fault_note(hc_fault *fault, hc_fault_kind kind, double value, uint64_t i
 /* Velocities that are no number, or carry their particle farther than its neighbours were looked for. */
 static void watch_velocities(const hc_world *world, double dt, hc_fault_kind no_number, hc_fault_kind fast,
                              hc_fault *fault) {
-  const hc_particles *fluid = &world->fluid;
+  const hc_particles *fluid = world->fluid;
   const double limit = world->frame.support_radius / dt;
   for (int32_t k = 0; k < fluid->own; k++) {
     const double *v = &fluid->velocity[3 * (size_t)k];
@@ -30,21 +30,28 @@ static void watch_velocities(const hc_world *world, double dt, hc_fault_kind no_
 }
 
 void hc_fault_watch_start(const hc_world *world, double dt, hc_fault *fault) {
-  const hc_particles *fluid = &world->fluid;
+  const hc_particles *fluid = world->fluid;
   watch_velocities(world, dt, HC_FAULT_START_VALUE, HC_FAULT_START_SPEED, fault);
-  for (int32_t k = 0; k < fluid->own; k++)
-    if (!isfinite(fluid->pressure_multiplier[k]) || !isfinite(fluid->divergence_multiplier[k]))
-      hc_fault_note(fault, HC_FAULT_START_VALUE, 0.0, fluid->id[k]);
+  for (int field = 0; field < HC_FIELD_COUNT; field++) { /* what solvers carry from step to step */
+    const hc_field_info *info = &hc_fields[field];
+    if (!fluid->data[field] || !hc_field_is_state(info) || info->type != HC_TYPE_f32) continue;
+    const float *values = fluid->data[field];
+    const int components = info->components;
+    for (size_t k = 0; k < (size_t)fluid->own * (size_t)components; k++)
+      if (!isfinite(values[k]))
+        hc_fault_note(fault, HC_FAULT_START_VALUE, 0.0, fluid->id[k / (size_t)components]);
+  }
+  if (world->list.crowded >= 0) hc_fault_note(fault, HC_FAULT_CROWDED, 0.0, fluid->id[world->list.crowded]);
 }
 
 void hc_fault_watch_density(const hc_world *world, hc_fault *fault) {
-  const hc_particles *fluid = &world->fluid;
+  const hc_particles *fluid = world->fluid;
   for (int32_t k = 0; k < fluid->own; k++)
     if (!isfinite(fluid->density[k])) hc_fault_note(fault, HC_FAULT_DENSITY, 0.0, fluid->id[k]);
 }
 
 void hc_fault_watch_end(const hc_world *world, double dt, hc_fault *fault) {
-  const hc_particles *fluid = &world->fluid;
+  const hc_particles *fluid = world->fluid;
   watch_velocities(world, dt, HC_FAULT_VALUE, HC_FAULT_SPEED, fault);
   for (int32_t k = 0; k < fluid->own; k++) {
     if (!isfinite(fluid->pressure[k])) hc_fault_note(fault, HC_FAULT_VALUE, 0.0, fluid->id[k]);
@@ -56,7 +63,7 @@ void hc_fault_watch_end(const hc_world *world, double dt, hc_fault *fault) {
 }
 
 void hc_fault_watch_fastest(const hc_world *world, hc_fault_kind kind, hc_fault *fault) {
-  const hc_particles *fluid = &world->fluid;
+  const hc_particles *fluid = world->fluid;
   for (int32_t k = 0; k < fluid->own; k++) {
     const double *v = &fluid->velocity[3 * (size_t)k];
     hc_fault_note(fault, kind, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), fluid->id[k]);
@@ -73,6 +80,9 @@ static hc_status tell(const hc_fault *fault, double dt, hc_error *error) {
   case HC_FAULT_START_VALUE:
     return hc_error_set(error, HC_FAILED,
                         "the velocity or pressure of particle %lld was no number as the step began", id);
+  case HC_FAULT_CROWDED:
+    return hc_error_set(error, HC_FAILED, "more than %d particles lie in one cell with particle %lld",
+                        HC_CELL_MOST, id);
   case HC_FAULT_DENSITY:
     return hc_error_set(error, HC_FAILED, "the density of particle %lld is no number", id);
   case HC_FAULT_VALUE:

@@ -13,6 +13,7 @@ typedef enum hc_fault_kind {
   HC_FAULT_TIME_STEP,   /* the time step fell under its floor */
   HC_FAULT_START_VALUE, /* a velocity or pressure multiplier is no number as the step begins */
   HC_FAULT_START_SPEED, /* a particle is too fast as the step begins */
+  HC_FAULT_CROWDED,     /* far too many particles lie in one cell */
   HC_FAULT_DENSITY,     /* a density is no number */
   HC_FAULT_VALUE,       /* a velocity or pressure is no number at the end of the step */
   HC_FAULT_POSITION,    /* a position is none */

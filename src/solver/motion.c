@@ -7,43 +7,43 @@
 #include <string.h>
 
 void hc_remember_velocities(hc_world *world) {
-  hc_particles *fluid = &world->fluid;
+  hc_particles *fluid = world->fluid;
   for (int32_t k = 0; k < fluid->own; k++)
     for (int axis = 0; axis < 3; axis++) fluid->acceleration[3 * (size_t)k + axis] = fluid->motion[k].v[axis];
 }
 
 static void viscous_change(hc_world *world, const hc_solver_settings *settings, double dt, float *change) {
   const hc_sweep *sweep = &world->sweep;
-  const int32_t own = world->fluid.own;
+  const int32_t own = world->fluid->own;
   const double h = world->frame.support_radius, coefficient = settings->viscosity_coefficient;
   switch (settings->viscosity) {
   case HC_VISCOUS_NONE:
     memset(change, 0, 3 * (size_t)own * sizeof *change);
     break;
   case HC_VISCOUS_XSPH:
-    world->sweeps->xsph(sweep, (float)coefficient, change, 0, own);
+    world->sweeps->xsph(sweep, (float)coefficient, change, world->listed);
     break;
   case HC_VISCOUS_LAMINAR:
-    world->sweeps->laminar(sweep, (float)(coefficient * dt), change, 0, own);
+    world->sweeps->laminar(sweep, (float)(coefficient * dt), change, world->listed);
     break;
   case HC_VISCOUS_ARTIFICIAL:
-    world->sweeps->artificial(sweep, (float)(coefficient * h * settings->sound_speed * dt), change, 0, own);
+    world->sweeps->artificial(sweep, (float)(coefficient * h * settings->sound_speed * dt), change,
+                              world->listed);
     break;
   }
 }
 
 float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, double dt) {
-  float *change = hc_particles_scratch(&world->fluid, 3 * sizeof *change);
+  float *change = hc_particles_scratch(world->fluid, 3 * sizeof *change);
   viscous_change(world, settings, dt, change);
   if (settings->surface_tension > 0.0)
-    world->sweeps->cohesion(&world->sweep, (float)(settings->surface_tension * dt), change, 0,
-                            world->fluid.own);
+    world->sweeps->cohesion(&world->sweep, (float)(settings->surface_tension * dt), change, world->listed);
   return change;
 }
 
 void hc_accelerate(hc_world *world, const hc_solver_settings *settings, const float *change, double dt,
                    int32_t begin, int32_t end) {
-  hc_particles *fluid = &world->fluid;
+  hc_particles *fluid = world->fluid;
   for (int32_t k = begin; k < end; k++) {
     for (int axis = 0; axis < 3; axis++) {
       double *velocity = &fluid->velocity[3 * (size_t)k + axis];
@@ -59,7 +59,7 @@ double hc_largest_force(const hc_world *world, const hc_solver_settings *setting
   const double rate = 1.0 / dt;
   const bool viscous = settings->viscosity == HC_VISCOUS_LAMINAR ||
                        settings->viscosity == HC_VISCOUS_ARTIFICIAL || settings->surface_tension > 0.0;
-  const int32_t own = viscous || push ? world->fluid.own : world->fluid.own > 0;
+  const int32_t own = viscous || push ? world->fluid->own : world->fluid->own > 0;
   for (int32_t k = 0; k < own; k++) {
     double square = 0.0;
     for (int axis = 0; axis < 3; axis++) {
@@ -87,7 +87,7 @@ static hc_status look_before_move(hc_world *world, double dt, bool broken, hc_st
   if (broken && report->fault.kind == HC_FAULT_NONE)
     hc_fault_watch_fastest(world, HC_FAULT_ERROR, &report->fault);
   if (hc_fault_agree(world->comm, dt, &report->fault, error) == HC_OK) return HC_OK;
-  find_accelerations(&world->fluid, dt);
+  find_accelerations(world->fluid, dt);
   return error->status;
 }
 
@@ -99,7 +99,7 @@ typedef struct move_totals {
 
 static void move_all(hc_world *world, const hc_solver_settings *settings, double dt, hc_move_to to,
                      move_totals *totals) {
-  hc_particles *fluid = &world->fluid;
+  hc_particles *fluid = world->fluid;
   const hc_frame *frame = &world->frame;
   const double rate = 1.0 / dt;
   double units_per_speed[3];
@@ -132,7 +132,7 @@ hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt
                   hc_step_report *report, hc_error *error) {
   if (world->boundary_ops->contact && world->contact_limit > 0.0)
     report->contacts =
-        world->boundary_ops->contact(&world->fluid, settings->rest_density, world->contact_limit, dt);
+        world->boundary_ops->contact(world->fluid, settings->rest_density, world->contact_limit, dt);
   if (look_before_move(world, dt, broken, report, error) != HC_OK) return error->status;
   hc_comm_sum_i64(world->comm, &report->contacts, 1);
   move_totals totals;

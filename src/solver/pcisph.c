@@ -37,13 +37,14 @@ static hc_prediction prediction_of(const hc_world *world, const hc_solver_settin
 
 /* ---- predictions ---- */
 
-/* Places of own particles [begin, end) at the end of the step, out of walls. */
-static void predict_places(pcisph *step, bool with_push, int32_t begin, int32_t end) {
-  hc_particles *fluid = &step->world->fluid;
+/* Places of selected particles at the end of the step, out of walls. */
+static void predict_places(pcisph *step, bool with_push, hc_selection selection) {
+  hc_particles *fluid = step->world->fluid;
   const hc_frame *frame = &step->world->frame;
   double units[3];
   for (int axis = 0; axis < 3; axis++) units[axis] = step->dt / frame->unit[axis];
-  for (int32_t i = begin; i < end; i++) {
+  for (int32_t row = selection.begin; row < selection.end; row++) {
+    const int32_t i = hc_selected(selection, row);
     const size_t at = 3 * (size_t)i;
     for (size_t axis = 0; axis < 3; axis++) {
       const double velocity = fluid->velocity[at + axis] + (with_push ? (double)fluid->push[at + axis] : 0.0);
@@ -52,68 +53,79 @@ static void predict_places(pcisph *step, bool with_push, int32_t begin, int32_t 
     }
   }
   if (step->world->boundary_ops->collide)
-    step->held += step->world->boundary_ops->collide(&step->collision, begin, end);
+    step->held += step->world->boundary_ops->collide(&step->collision, selection);
 }
 
-/* Densities, errors and pressures of own particles [begin, end). */
-static void predict_densities(const pcisph *step, int32_t begin, int32_t end, hc_error_total *total) {
+/* Densities, errors and pressures of selected particles. */
+static void predict_densities(const pcisph *step, hc_selection selection, hc_error_total *total) {
   const hc_world *world = step->world;
-  world->sweeps->predicted_density(&world->sweep, &step->prediction, begin, end, total);
+  world->sweeps->predicted_density(&world->sweep, &step->prediction, selection, total);
 }
 
 /* The densities of a surface corrected by the kernel sum: a second sweep, which needs its neighbours' first.
  */
 static void correct_densities(const pcisph *step, hc_error_total *total) {
   hc_world *world = step->world;
-  const int32_t border = world->fluid.border, own = world->fluid.own;
-  hc_halo_begin(&world->halo, HC_HALO_MOTION);
-  world->sweeps->corrected_density(&world->sweep, &step->prediction, border, own, total);
-  hc_halo_end(&world->halo);
-  world->sweeps->corrected_density(&world->sweep, &step->prediction, 0, border, total);
+  hc_halo_begin(world->halo, HC_WHOLE(motion));
+  world->sweeps->corrected_density(&world->sweep, &step->prediction,
+                                   hc_select_interior(world->listed, world->fluid), total);
+  hc_halo_end(world->halo);
+  world->sweeps->corrected_density(&world->sweep, &step->prediction,
+                                   hc_select_border(world->listed, world->fluid), total);
+}
+
+/* The pressure of walls that have one, of ghosts too. */
+static void press_walls(const pcisph *step, hc_store *walls) {
+  step->world->sweeps->boundary_density(&step->world->sweep, &step->prediction, &walls->particles,
+                                        &walls->wetted, hc_select_all(&walls->particles));
+  hc_halo_refresh(&walls->halo, HC_SCALAR(place));
 }
 
 /* One prediction: where particles will be, how dense, and the pressures against that; ghosts' too. */
 static hc_error_total predict(pcisph *step, bool with_push) {
   hc_world *world = step->world;
-  const int32_t border = world->fluid.border, own = world->fluid.own;
+  const hc_selection border = hc_select_border(world->listed, world->fluid),
+                     interior = hc_select_interior(world->listed, world->fluid);
   hc_error_total total;
   memset(&total, 0, sizeof total);
   step->held = 0;
-  predict_places(step, with_push, 0, border);
-  hc_halo_begin(&world->halo, HC_HALO_PLACE);
-  predict_places(step, with_push, border, own);
-  predict_densities(step, border, own, &total);
-  hc_halo_end(&world->halo);
-  predict_densities(step, 0, border, &total);
+  predict_places(step, with_push, border);
+  hc_halo_begin(world->halo, HC_WHOLE(place));
+  predict_places(step, with_push, interior);
+  predict_densities(step, interior, &total);
+  hc_halo_end(world->halo);
+  predict_densities(step, border, &total);
   if (step->prediction.shepard) correct_densities(step, &total);
 
-  hc_halo_begin(&world->halo, HC_HALO_PLACE_SCALAR);
+  hc_halo_begin(world->halo, HC_SCALAR(place));
   if (step->world->boundary_ops->walls == HC_WALLS_PRESSURE) {
-    world->sweeps->boundary_density(&world->sweep, &step->prediction, 0, world->boundary.own);
-    hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
+    for (int k = HC_STORE_BOUNDARY; k <= HC_STORE_MOVING; k++) press_walls(step, &world->stores[k]);
   }
-  world->sweeps->push(&world->sweep, &step->prediction, border, own);
-  hc_halo_end(&world->halo);
-  world->sweeps->push(&world->sweep, &step->prediction, 0, border);
+  world->sweeps->push(&world->sweep, &step->prediction, interior);
+  hc_halo_end(world->halo);
+  world->sweeps->push(&world->sweep, &step->prediction, border);
   return total;
 }
 
 /* ---- the step ---- */
 
 static void start(pcisph *step) {
-  hc_particles *fluid = &step->world->fluid, *boundary = &step->world->boundary;
+  hc_world *world = step->world;
+  hc_particles *fluid = world->fluid;
   memset(fluid->pressure, 0, (size_t)fluid->own * sizeof *fluid->pressure);
-  if (step->world->boundary_ops->walls == HC_WALLS_MIRRORED)
-    step->world->sweeps->wall_sums(&step->world->sweep, 0, fluid->own);
-  if (step->world->boundary_ops->walls != HC_WALLS_PRESSURE) return;
-  memset(boundary->pressure, 0, (size_t)boundary->own * sizeof *boundary->pressure);
-  for (int32_t b = 0; b < boundary->own + boundary->ghosts; b++) boundary->place[b].scalar = 0.0f;
+  if (world->boundary_ops->walls == HC_WALLS_MIRRORED) world->sweeps->wall_sums(&world->sweep, world->listed);
+  for (int k = HC_STORE_BOUNDARY; k <= HC_STORE_MOVING && world->boundary_ops->walls == HC_WALLS_PRESSURE;
+       k++) {
+    hc_particles *walls = &world->stores[k].particles;
+    memset(walls->pressure, 0, (size_t)walls->own * sizeof *walls->pressure);
+    for (int32_t b = 0; b < walls->own + walls->ghosts; b++) walls->place[b].scalar = 0.0f;
+  }
 }
 
 /* Shows walls that move where they will be, or with `way` -1 again where they are. */
 static void predict_walls(const pcisph *step, int way) {
   hc_world *world = step->world;
-  hc_particles *boundary = &world->boundary;
+  hc_particles *boundary = world->moving;
   if (!world->sweep.walls_move) return;
   for (int32_t b = 0; b < boundary->own + boundary->ghosts; b++)
     for (int axis = 0; axis < 3; axis++)
@@ -121,7 +133,7 @@ static void predict_walls(const pcisph *step, int way) {
           (int32_t)((uint32_t)boundary->place[b].x[axis] +
                     (uint32_t)(way * (int32_t)llrint((double)boundary->motion[b].v[axis] * step->dt /
                                                      world->frame.unit[axis])));
-  world->walls_moved = true; /* the next update puts them right */
+  world->stores[HC_STORE_MOVING].moved = true; /* the next hc_world_place puts them right */
 }
 
 /* Inverse densities for the forces that read them. */
@@ -131,8 +143,8 @@ static void find_densities(const pcisph *step) {
   hc_prediction prediction = step->prediction;
   prediction.shepard = true; /* leaves 1/density in motion */
   hc_error_total none;
-  world->sweeps->predicted_density(&world->sweep, &prediction, 0, world->fluid.own, &none);
-  hc_halo_refresh(&world->halo, HC_HALO_MOTION);
+  world->sweeps->predicted_density(&world->sweep, &prediction, world->listed, &none);
+  hc_halo_refresh(world->halo, HC_WHOLE(motion));
 }
 
 /* Predicts and corrects, density_min times or until the errors are small. Returns whether they are numbers.
@@ -164,12 +176,12 @@ static bool iterate(pcisph *step, hc_step_report *report) {
 /* Where particles go in the end, and their velocities: (11) and (12). */
 static hc_move_to finish(pcisph *step) {
   hc_world *world = step->world;
-  hc_particles *fluid = &world->fluid;
+  hc_particles *fluid = world->fluid;
   for (size_t k = 0; k < 3 * (size_t)fluid->own; k++) fluid->velocity[k] += (double)fluid->push[k];
   step->collision.respond = true;
   step->held = 0;
   if (world->boundary_ops->collide) {
-    predict_places(step, false, 0, fluid->own);
+    predict_places(step, false, world->listed);
     return HC_MOVE_TO_PLACE;
   }
   predict_walls(step, -1); /* forces on these walls are measured where all stood as the step began */
@@ -196,10 +208,10 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
                                .friction = settings->friction,
                                .elasticity = settings->elasticity,
                                .dt = dt}};
-  hc_reserve((void **)&world->contacts, &world->contact_room, 2 * (size_t)world->fluid.own, 0,
+  hc_reserve((void **)&world->contacts, &world->contact_room, 2 * (size_t)world->fluid->own, 0,
              sizeof *world->contacts);
   step.collision.contacts = world->contacts;
-  step.collision.velocities = world->sweep.walls_move ? world->contacts + world->fluid.own : NULL;
+  step.collision.velocities = world->sweep.walls_move ? world->contacts + world->fluid->own : NULL;
   world->sweep.contacts = world->boundary_ops->collide ? world->contacts : NULL;
 
   /* forces but pressure; v takes them in at once */
@@ -208,13 +220,13 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
   start(&step);
   const float *change = hc_find_forces(world, settings, dt);
   predict_walls(&step, 1);
-  for (size_t k = 0; k < 3 * (size_t)world->fluid.own; k++)
-    world->fluid.velocity[k] += (double)change[k] + dt * settings->gravity[k % 3];
+  for (size_t k = 0; k < 3 * (size_t)world->fluid->own; k++)
+    world->fluid->velocity[k] += (double)change[k] + dt * settings->gravity[k % 3];
 
   /* predict, correct */
   hc_stopwatch_enter(&world->watch, HC_STAGE_PRESSURE);
   const bool sound = iterate(&step, report);
-  report->force_max = hc_largest_force(world, settings, dt, change, world->fluid.push);
+  report->force_max = hc_largest_force(world, settings, dt, change, world->fluid->push);
 
   /* v and x of the step's end, out of walls */
   hc_stopwatch_enter(&world->watch, HC_STAGE_MOVE);
@@ -228,8 +240,8 @@ static void densities(hc_world *world, const hc_solver_settings *settings) {
   hc_error_total none;
   memset(&none, 0, sizeof none);
   const pcisph step = {.world = world, .prediction = prediction};
-  predict_densities(&step, 0, world->fluid.own, &none);
+  predict_densities(&step, world->listed, &none);
   if (prediction.shepard) correct_densities(&step, &none);
 }
 
-const hc_solver_ops hc_solver_pcisph = {"pcisph", advance, densities};
+const hc_solver_ops hc_solver_pcisph = {"pcisph", HC_FOR_PCISPH, advance, densities};

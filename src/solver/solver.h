@@ -49,6 +49,7 @@ typedef struct hc_step_report {
 
 typedef struct hc_solver_ops {
   const char *name;
+  unsigned features; /* HC_FOR_*: the fields it needs */
   /* Advances own particles by dt; dt_before is the last step's, 0 at the first. Collective.
    * Before: hc_world_update. After: positions, velocities, pressures new; cells and lists stale.
    * HC_FAILED, agreed, as fault.h says; the fault is in the report then, and velocities, densities, pressures

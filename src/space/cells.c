@@ -127,7 +127,20 @@ static int32_t place_cells(hc_cells *cells, const placed_brick *sorted, bool bor
   return next;
 }
 
+/* Insertion is the fastest for what a cell holds at rest; an overfull one is halved and merged. */
 static void sort_by_id(int32_t *order, int32_t count, const uint64_t *id) {
+  enum { FEW = 64 };
+  if (count > FEW) {
+    const int32_t half = count / 2;
+    sort_by_id(order, half, id);
+    sort_by_id(order + half, count - half, id);
+    int32_t *left = hc_alloc((size_t)half, sizeof *left);
+    memcpy(left, order, (size_t)half * sizeof *left);
+    for (int32_t a = 0, b = half, to = 0; a < half; to++)
+      order[to] = b < count && id[order[b]] < id[left[a]] ? order[b++] : left[a++];
+    hc_free(left);
+    return;
+  }
   for (int32_t k = 1; k < count; k++) {
     const int32_t moving = order[k];
     int32_t hole = k;

@@ -43,11 +43,14 @@ static const hc_neighbor_loops *loops_of(hc_isa isa) {
   return hc_neighbor_loops_portable();
 }
 
-static void find_adjacent(hc_neighbor_search *search, const hc_cells *target, const hc_cells *source) {
-  hc_reserve((void **)&search->adjacent, &search->adjacent_capacity, (size_t)target->bricks.count, 0,
+static void find_adjacent(hc_neighbor_search *search, const hc_cells *target,
+                          const hc_neighbor_source *sources, int source_count) {
+  const int32_t bricks = target->bricks.count;
+  hc_reserve((void **)&search->adjacent, &search->adjacent_capacity, (size_t)bricks * (size_t)source_count, 0,
              sizeof *search->adjacent);
-  for (int32_t k = 0; k < target->bricks.count; k++)
-    hc_cells_around(source, target->bricks.bricks[k], search->adjacent[k]);
+  for (int s = 0; s < source_count; s++)
+    for (int32_t k = 0; k < bricks; k++)
+      hc_cells_around(sources[s].cells, target->bricks.bricks[k], search->adjacent[s * bricks + k]);
 }
 
 /* Splits a cell coordinate in [-1, HC_BRICK_EDGE] into the neighbouring brick (0, 1, 2) and the cell in it.
@@ -64,9 +67,12 @@ static inline int inside(int coordinate) {
 typedef struct window {
   hc_neighbor_search *search;
   const hc_neighbor_loops *loops;
-  const hc_cells *source;
-  const hc_record *place;
-  int32_t slab[4]; /* where the three slabs begin, and the end */
+  const hc_neighbor_source *sources;
+  int source_count;
+  int32_t bricks;                     /* of the targets */
+  int32_t first[HC_NEIGHBOR_SOURCES]; /* what indices of a source begin with */
+  const hc_record *place;             /* of all sources */
+  int32_t slab[4];                    /* where the three slabs begin, and the end */
 } window;
 
 /* Makes room for `count` candidates and the loops' slack, keeping the first `keep`. */
@@ -80,31 +86,76 @@ static void make_room(hc_neighbor_search *search, int32_t count, int32_t keep) {
   search->candidate_capacity = capacity[0];
 }
 
-static bool any_adjacent(const hc_neighbor_search *search, int32_t brick) {
-  for (int way = 0; way < HC_ADJACENT; way++)
-    if (search->adjacent[brick][way] >= 0) return true;
+static bool any_adjacent(const window *window, int32_t brick) {
+  for (int s = 0; s < window->source_count; s++)
+    for (int way = 0; way < HC_ADJACENT; way++)
+      if (window->search->adjacent[s * window->bricks + brick][way] >= 0) return true;
   return false;
 }
 
-static void write_empty_rows(hc_neighbors *list, int32_t first, int32_t count, size_t used) {
-  for (int32_t i = first; i < first + count; i++) list->start[i] = (uint32_t)(used / HC_LIST_GROUP);
-  memset(list->count + first, 0, (size_t)count * sizeof *list->count);
+static void write_empty_rows(hc_neighbors *list, hc_selection rows, size_t used) {
+  for (int32_t row = rows.begin; row < rows.end; row++) {
+    list->start[row] = (uint32_t)(used / HC_LIST_GROUP);
+    list->count[row] = 0;
+  }
+}
+
+/* Records [begin, end) of a source that lie in one cell. */
+typedef struct stretch {
+  int32_t begin, end;
+} stretch;
+
+/* The length of the run that begins a stretch of one wall's samples. */
+static int32_t run_of(const hc_particles *particles, stretch stretch) {
+  int32_t end = stretch.begin + 1;
+  while (end < stretch.end && particles->motion[end].scalar == particles->motion[stretch.begin].scalar) end++;
+  return end - stretch.begin;
+}
+
+static int32_t append(window *window, int32_t end, int source, int32_t begin, int32_t count) {
+  make_room(window->search, end + count, end);
+  window->loops->append(window->search, end, window->place, window->first[source] + begin, count);
+  return end + count;
+}
+
+/* Appends one cell's particles of two sources in the order of their walls. */
+static int32_t append_merged(window *window, int32_t end, stretch stretches[HC_NEIGHBOR_SOURCES]) {
+  const hc_particles *a = window->sources[0].particles, *b = window->sources[1].particles;
+  while (stretches[0].begin < stretches[0].end || stretches[1].begin < stretches[1].end) {
+    const bool first = stretches[1].begin == stretches[1].end ||
+                       (stretches[0].begin < stretches[0].end &&
+                        a->motion[stretches[0].begin].scalar < b->motion[stretches[1].begin].scalar);
+    stretch *from = &stretches[!first];
+    const int32_t count = run_of(first ? a : b, *from);
+    end = append(window, end, !first, from->begin, count);
+    from->begin += count;
+  }
+  return end;
 }
 
 /* Appends the nine cells around (x, y, z), which is relative to the target brick `index`. */
 static void append_slab(window *window, int32_t index, int x, int y, int z) {
-  const int32_t *adjacent = window->search->adjacent[index];
   int32_t end = window->slab[3];
   for (int dz = -1; dz <= 1; dz++) {
     for (int dy = -1; dy <= 1; dy++) {
-      const int32_t brick = adjacent[side(x) + 3 * side(y + dy) + 9 * side(z + dz)];
-      if (brick < 0) continue;
+      const int way = side(x) + 3 * side(y + dy) + 9 * side(z + dz);
       const int cell = hc_cell_in_brick(inside(x), inside(y + dy), inside(z + dz));
-      const int32_t count = window->source->count[brick][cell];
-      if (count == 0) continue;
-      make_room(window->search, end + count, end);
-      window->loops->append(window->search, end, window->place, window->source->begin[brick][cell], count);
-      end += count;
+      stretch stretches[HC_NEIGHBOR_SOURCES];
+      int filled = 0, last = 0;
+      for (int s = 0; s < window->source_count; s++) {
+        const hc_cells *cells = window->sources[s].cells;
+        const int32_t brick = window->search->adjacent[s * window->bricks + index][way];
+        const int32_t count = brick < 0 ? 0 : cells->count[brick][cell];
+        stretches[s].begin = count == 0 ? 0 : cells->begin[brick][cell];
+        stretches[s].end = stretches[s].begin + count;
+        if (count == 0) continue;
+        filled++;
+        last = s;
+      }
+      if (filled == 1)
+        end = append(window, end, last, stretches[last].begin, stretches[last].end - stretches[last].begin);
+      else if (filled > 1)
+        end = append_merged(window, end, stretches);
     }
   }
   window->slab[3] = end;
@@ -134,57 +185,95 @@ static bool follows(const hc_cells *cells, int32_t slot, int32_t next) {
          b[1] == a[1] && b[2] == a[2];
 }
 
-void hc_neighbors_build(hc_neighbors *list, hc_neighbor_search *search, const hc_cells *target_cells,
-                        const hc_particles *target, const hc_cells *source_cells,
-                        const hc_particles *source) {
-  const size_t own = (size_t)target->own;
-  const bool same = target == source;
-  hc_reserve((void **)&list->start, &list->start_capacity, own + 1, 0, sizeof *list->start);
-  hc_reserve((void **)&list->count, &list->count_capacity, own, 0, sizeof *list->count);
-  const size_t guess = (same ? own * LIST_GUESS : 0) + HC_NEIGHBOR_SLACK;
+/* The rows of a selection whose particles are [first, end), given the row where the last one ended. */
+static hc_selection rows_within(hc_selection selection, int32_t first, int32_t end, int32_t *row) {
+  if (!selection.index) {
+    selection.begin = first > selection.begin ? first : selection.begin;
+    selection.end = end < selection.end ? end : selection.end;
+    return selection;
+  }
+  const int32_t most = selection.end;
+  selection.begin = *row;
+  while (*row < most && selection.index[*row] < end) ++*row;
+  selection.end = *row;
+  return selection;
+}
+
+static void make_list_room(hc_neighbors *list, hc_selection selection, bool same) {
+  const size_t rows = (size_t)selection.end;
+  hc_reserve((void **)&list->start, &list->start_capacity, rows + 1, 0, sizeof *list->start);
+  hc_reserve((void **)&list->count, &list->count_capacity, rows, 0, sizeof *list->count);
+  const size_t guess = (same ? rows * LIST_GUESS : 0) + HC_NEIGHBOR_SLACK;
   if (list->offset_capacity < guess)
     hc_reserve((void **)&list->offset, &list->offset_capacity, guess, 0, sizeof *list->offset);
-  find_adjacent(search, target_cells, source_cells);
-  HC_CHECK(source->own + (int64_t)source->ghosts < (int64_t)UINT32_MAX / (int64_t)sizeof(hc_record),
-           "too many particles on one rank: %d and %d ghosts", source->own, source->ghosts);
+  list->pairs = 0;
+  list->crowded = -1;
+}
 
-  window window = {search, loops_of(search->isa), source_cells, source->place, {0, 0, 0, 0}};
+/* Turns the window to a cell. */
+static void look(window *window, const hc_cells *cells, int32_t place_in_order, bool open) {
+  const int32_t slot = cells->own_cells[place_in_order], brick = slot / HC_BRICK_CELLS;
+  const int cell = slot % HC_BRICK_CELLS;
+  const int x = inside(cell), y = inside(cell >> HC_BRICK_BITS), z = cell >> (2 * HC_BRICK_BITS);
+  if (open && window->slab[3] < WINDOW_RESTART && follows(cells, cells->own_cells[place_in_order - 1], slot))
+    advance_window(window, brick, x, y, z);
+  else
+    start_window(window, brick, x, y, z);
+}
+
+void hc_neighbors_build(hc_neighbors *list, hc_neighbor_search *search, const hc_cells *target_cells,
+                        const hc_particles *target, hc_selection selection, const hc_neighbor_source *sources,
+                        int source_count) {
+  const bool same = source_count == 1 && target == sources[0].particles;
+  int64_t records = 0;
+  for (int s = 0; s < source_count; s++)
+    records += (int64_t)sources[s].particles->own + sources[s].particles->ghosts;
+  HC_CHECK(source_count == 1 || (source_count == 2 && sources[1].particles->head == sources[0].particles),
+           "a list leads to one store, or to two that are joined");
+  HC_CHECK(records < (int64_t)UINT32_MAX / (int64_t)sizeof(hc_record),
+           "too many particles on one rank: %lld with ghosts", (long long)records);
+  make_list_room(list, selection, same);
+  find_adjacent(search, target_cells, sources, source_count);
+  window window = {.search = search,
+                   .loops = loops_of(search->isa),
+                   .sources = sources,
+                   .source_count = source_count,
+                   .bricks = target_cells->bricks.count,
+                   .place = sources[0].particles->place};
+  if (source_count == 2) window.first[1] = hc_particles_first(sources[1].particles);
   make_room(search, 0, 0);
   size_t used = 0;
-  list->pairs = 0;
-  int32_t last_brick = -1;
-  bool any = false, window_open = false; /* bricks far from any source need no window */
+  int32_t last_brick = -1, row = selection.begin;
+  bool any = false, open = false; /* bricks far from any source need no window */
   for (int32_t k = 0; k < target_cells->own_cell_count; k++) {
-    const int32_t slot = target_cells->own_cells[k];
-    const int32_t brick = slot / HC_BRICK_CELLS;
-    const int cell = slot % HC_BRICK_CELLS;
-    const int x = inside(cell), y = inside(cell >> HC_BRICK_BITS), z = cell >> (2 * HC_BRICK_BITS);
-    const int32_t first = target_cells->begin[brick][cell], count = target_cells->count[brick][cell];
-    if (brick != last_brick) any = any_adjacent(search, brick);
+    const int32_t slot = target_cells->own_cells[k], brick = slot / HC_BRICK_CELLS;
+    const int32_t first = target_cells->begin[brick][slot % HC_BRICK_CELLS];
+    const int32_t count = target_cells->count[brick][slot % HC_BRICK_CELLS];
+    const hc_selection rows = rows_within(selection, first, first + count, &row);
+    if (rows.begin >= rows.end) {
+      open = false;
+      continue;
+    }
+    if (brick != last_brick) any = any_adjacent(&window, brick);
     last_brick = brick;
-    if (!any) {
-      write_empty_rows(list, first, count, used);
-      window_open = false;
+    const bool crowded = count > HC_CELL_MOST;
+    if (crowded && (list->crowded < 0 || target->id[first] < target->id[list->crowded]))
+      list->crowded = first;
+    const bool was_open = open;
+    open = any && !crowded;
+    if (open) look(&window, target_cells, k, was_open);
+    if (!open || window.slab[3] == window.slab[0]) {
+      write_empty_rows(list, rows, used);
       continue;
     }
-    if (window_open && window.slab[3] < WINDOW_RESTART &&
-        follows(target_cells, target_cells->own_cells[k - 1], slot))
-      advance_window(&window, brick, x, y, z);
-    else
-      start_window(&window, brick, x, y, z);
-    window_open = true;
-    if (window.slab[3] == window.slab[0]) {
-      write_empty_rows(list, first, count, used);
-      continue;
-    }
-    const size_t most = (size_t)count * (size_t)(window.slab[3] - window.slab[0] + HC_NEIGHBOR_SLACK);
+    const size_t most =
+        (size_t)(rows.end - rows.begin) * (size_t)(window.slab[3] - window.slab[0] + HC_NEIGHBOR_SLACK);
     if (used + most + HC_NEIGHBOR_SLACK > list->offset_capacity)
       hc_reserve((void **)&list->offset, &list->offset_capacity, used + used / 4 + most + HC_NEIGHBOR_SLACK,
                  used, sizeof *list->offset);
-    used = window.loops->rows(list, search, window.slab[0], window.slab[3], target->place, first, count, same,
-                              used);
+    used = window.loops->rows(list, search, window.slab[0], window.slab[3], target->place, rows, same, used);
   }
   HC_CHECK(used / HC_LIST_GROUP < UINT32_MAX, "neighbour list too long for one rank: %zu entries", used);
-  list->start[own] = (uint32_t)(used / HC_LIST_GROUP);
+  list->start[selection.end] = (uint32_t)(used / HC_LIST_GROUP);
   memset(list->offset + used, 0, 2 * HC_LIST_GROUP * sizeof *list->offset);
 }

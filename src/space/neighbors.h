@@ -1,4 +1,4 @@
-/* Neighbour lists: for every own particle the particles of a source set within the support radius.
+/* Neighbour lists: for each selected own particle the particles of some stores within the support radius.
  *
  * Compressed rows in groups of eight entries; the last group is filled up with any valid entry, and sweeps
  * mask those lanes by `count`, unless the particle itself, which fills up the lists of a set into itself,
@@ -9,15 +9,23 @@
 
 #include "base/isa.h"
 #include "cells.h"
+#include "selection.h"
 
-enum { HC_LIST_GROUP = 8, HC_NEIGHBOR_SLACK = 32 };
+enum {
+  HC_LIST_GROUP = 8,
+  HC_NEIGHBOR_SLACK = 32,
+  HC_NEIGHBOR_SOURCES = 2, /* stores that one list may lead to */
+  HC_CELL_MOST = 4096      /* particles of a cell that get neighbours: at rest there are some ten */
+};
 
 typedef struct hc_neighbors {
-  uint32_t *start; /* own + 1 entries: particle i has groups [start[i], start[i + 1]) of eight entries */
+  uint32_t *start; /* row r of the selection has groups [start[r], start[r + 1]) of eight entries */
   uint32_t *
       offset; /* 16 * index: the place of the neighbour's record in bytes; sixteen readable ones at the end */
   uint16_t *count; /* neighbours without the padding */
   int64_t pairs;   /* sum of count */
+  int32_t crowded; /* a particle in a cell that holds more than HC_CELL_MOST, whose rows are left empty; -1:
+                      none */
   size_t start_capacity, offset_capacity, count_capacity;
 } hc_neighbors;
 
@@ -30,18 +38,28 @@ typedef struct hc_neighbor_search {
   int32_t *xy, *z; /* candidates, packed: positions cut to 16 bits, see neighbors_isa.c */
   uint32_t *offset;
   size_t candidate_capacity;
-  int32_t (*adjacent)[HC_ADJACENT]; /* per target brick: the source's bricks around it, or -1 */
+  int32_t (*adjacent)[HC_ADJACENT]; /* per source and target brick: the source's bricks around it, or -1 */
   size_t adjacent_capacity;
 } hc_neighbor_search;
 
 void hc_neighbor_search_init(hc_neighbor_search *search, hc_isa isa);
 void hc_neighbor_search_free(hc_neighbor_search *search);
 
-/* Builds the list of own particles of `target` into all particles (own and ghosts) of `source`, which may be
- * the same: then a particle is no neighbour of itself. `place` of both must be current. Local. Before: cells
- * ordered, ghosts entered. After: list->start[own] groups. */
+/* Particles that a list leads to. */
+typedef struct hc_neighbor_source {
+  const hc_cells *cells;
+  const hc_particles *particles;
+} hc_neighbor_source;
+
+/* Builds the list of selected own particles of `target` into all particles (own and ghosts) of the sources.
+ * One source may be the target itself: then a particle is no neighbour of itself. Two are a store and the one
+ * joined to it (hc_particles_join), offsets are then those among their common records, and within a cell both
+ * stand together in the order of motion.scalar, the number of a wall: so the canonical order does not depend
+ * on which store a wall is in. `place` of all, and that scalar of two, must be current. Local. Before: cells
+ * ordered, ghosts entered. */
 void hc_neighbors_build(hc_neighbors *list, hc_neighbor_search *search, const hc_cells *target_cells,
-                        const hc_particles *target, const hc_cells *source_cells, const hc_particles *source);
+                        const hc_particles *target, hc_selection selection, const hc_neighbor_source *sources,
+                        int source_count);
 
 /* The loops that differ between instruction sets (neighbors_isa.c). */
 typedef struct hc_neighbor_loops {
@@ -49,11 +67,11 @@ typedef struct hc_neighbor_loops {
    * further. */
   void (*append)(hc_neighbor_search *search, int32_t end, const hc_record *place, int32_t begin,
                  int32_t count);
-  /* Writes the rows of particles [first, first + count) from candidates [begin, end) at list->offset + used,
-   * where there must be room for all candidates and HC_NEIGHBOR_SLACK more for each. `same`: a particle is
-   * not its own neighbour. Returns the new `used`. */
+  /* Writes the rows of a part of the selection from candidates [begin, end) at list->offset + used, where
+   * there must be room for all candidates and HC_NEIGHBOR_SLACK more for each. `same`: a particle is not its
+   * own neighbour. Returns the new `used`. */
   size_t (*rows)(hc_neighbors *list, const hc_neighbor_search *search, int32_t begin, int32_t end,
-                 const hc_record *place, int32_t first, int32_t count, bool same, size_t used);
+                 const hc_record *place, hc_selection rows, bool same, size_t used);
 } hc_neighbor_loops;
 
 const hc_neighbor_loops *hc_neighbor_loops_portable(void);

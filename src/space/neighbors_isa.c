@@ -108,16 +108,17 @@ HC_INLINE int32_t filter(const int32_t *restrict all_xy, const int32_t *restrict
 }
 
 static size_t rows(hc_neighbors *list, const hc_neighbor_search *search, int32_t begin, int32_t end,
-                   const hc_record *place, int32_t first, int32_t count, bool same, size_t used) {
-  for (int32_t i = first; i < first + count; i++) {
+                   const hc_record *place, hc_selection selection, bool same, size_t used) {
+  for (int32_t row = selection.begin; row < selection.end; row++) {
+    const int32_t i = hc_selected(selection, row);
     const uint32_t self = same ? (uint32_t)i * (uint32_t)sizeof(hc_record) : UINT32_MAX;
     uint32_t *out = list->offset + used;
     const int32_t hits = filter(search->xy + begin, search->z + begin, search->offset + begin, end - begin,
                                 &place[i], self, out);
     const uint32_t filler = same || hits == 0 ? self : out[0];
     for (int pad = 0; pad < HC_LIST_GROUP; pad++) out[hits + pad] = filler;
-    list->start[i] = (uint32_t)(used / HC_LIST_GROUP);
-    list->count[i] = (uint16_t)(hits < UINT16_MAX ? hits : UINT16_MAX);
+    list->start[row] = (uint32_t)(used / HC_LIST_GROUP);
+    list->count[row] = (uint16_t)(hits < UINT16_MAX ? hits : UINT16_MAX);
     list->pairs += hits;
     used += ((size_t)hits + HC_LIST_GROUP - 1) / HC_LIST_GROUP * HC_LIST_GROUP;
   }

@@ -66,22 +66,24 @@ typedef enum wall_part { NO_WALLS, AS_PARTICLES, NO_SLIP } wall_part;
 typedef enum change_mode { SET_CHANGE, ADD_CHANGE } change_mode;
 
 HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls_are, change_mode mode,
-                       float weight, float *change, int32_t begin, int32_t end) {
+                       float weight, float *change, hc_selection selection) {
   const hc_particles *fluid = sweep->fluid;
+  expect_ready(fluid, HC_WHOLE(place) | HC_WHOLE(motion), fluid, selection);
+  expect_walls(sweep);
   const hc_float volume = hc_set(sweep->volume);
   const bool walls_take_part =
       walls_are != NO_WALLS && sweep->walls_add == HC_WALLS_MIRRORED; /* else no volumes */
   block_vectors changes;
-  for (int32_t first = begin; first < end; first += BLOCK) {
-    const int32_t count = block_size(first, end);
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
     for (int32_t k = 0; k < count; k++) {
-      const int32_t i = first + k;
+      const int32_t i = hc_selected(selection, first + k);
       const self own = make_self(sweep, &fluid->place[i]);
       const viscous_self state = {spread_velocity(&fluid->motion[i]), hc_set(fluid->motion[i].scalar),
                                   walls_take_part ? wall_normal(&fluid->wall_gradient[3 * (size_t)i])
                                                   : (vector){hc_set(0.0f), hc_set(0.0f), hc_set(0.0f)}};
       vector_sums sum = no_sums();
-      const row row = row_of(sweep->list, i);
+      const row row = row_of(sweep->list, first + k);
       for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
         for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
           const int32_t at = pass + part * HC_GROUP;
@@ -92,7 +94,7 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
           add(&sum, part, &state, &p, &relative, hc_keep_groups(volume, row.entries - at), inverse);
         }
       }
-      const struct row walls = row_of(sweep->walls, i);
+      const struct row walls = row_of(sweep->walls, first + k);
       for (int32_t pass = 0; walls_take_part && pass < walls.entries; pass += 2 * HC_GROUP) {
         for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < walls.entries; part++) {
           const int32_t at = pass + part * HC_GROUP;
@@ -111,7 +113,7 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
     }
     add_up_vectors(&changes, count);
     for (int32_t k = 0; k < count; k++) {
-      float *to = &change[3 * (size_t)(first + k)];
+      float *to = &change[3 * (size_t)hc_selected(selection, first + k)];
       const float sum[3] = {changes.x.total[k], changes.y.total[k], changes.z.total[k]};
       for (int axis = 0; axis < 3; axis++)
         to[axis] = mode == ADD_CHANGE ? to[axis] + weight * sum[axis] : weight * sum[axis];
@@ -119,25 +121,23 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
   }
 }
 
-void HC_ISA_SYMBOL(hc_xsph)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end) {
-  viscous(sweep, pair_xsph, NO_WALLS, SET_CHANGE, -0.5f * weight * sweep->kernel, change, begin, end);
+void HC_ISA_SYMBOL(hc_xsph)(const hc_sweep *sweep, float weight, float *change, hc_selection selection) {
+  viscous(sweep, pair_xsph, NO_WALLS, SET_CHANGE, -0.5f * weight * sweep->kernel, change, selection);
 }
 
-void HC_ISA_SYMBOL(hc_laminar)(const hc_sweep *sweep, float weight, float *change, int32_t begin,
-                               int32_t end) {
+void HC_ISA_SYMBOL(hc_laminar)(const hc_sweep *sweep, float weight, float *change, hc_selection selection) {
   viscous(sweep, pair_laminar, NO_SLIP, SET_CHANGE, 2.0f * weight * sweep->gradient / sweep->support, change,
-          begin, end);
+          selection);
 }
 
-void HC_ISA_SYMBOL(hc_artificial)(const hc_sweep *sweep, float weight, float *change, int32_t begin,
-                                  int32_t end) {
+void HC_ISA_SYMBOL(hc_artificial)(const hc_sweep *sweep, float weight, float *change,
+                                  hc_selection selection) {
   viscous(sweep, pair_artificial, AS_PARTICLES, SET_CHANGE, weight * sweep->gradient / sweep->support, change,
-          begin, end);
+          selection);
 }
 
-void HC_ISA_SYMBOL(hc_cohesion)(const hc_sweep *sweep, float weight, float *change, int32_t begin,
-                                int32_t end) {
+void HC_ISA_SYMBOL(hc_cohesion)(const hc_sweep *sweep, float weight, float *change, hc_selection selection) {
   const float scale =
       -weight * sweep->kernel * sweep->support / sweep->volume; /* pairs are weighed with it */
-  viscous(sweep, pair_cohesion, NO_WALLS, ADD_CHANGE, scale, change, begin, end);
+  viscous(sweep, pair_cohesion, NO_WALLS, ADD_CHANGE, scale, change, selection);
 }

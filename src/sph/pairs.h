@@ -8,6 +8,7 @@
 #ifndef HC_PAIRS_H
 #define HC_PAIRS_H
 
+#include "base/check.h"
 #include "base/simd.h"
 #include "sweeps.h"
 
@@ -39,17 +40,33 @@ typedef struct self {
   hc_float scale_x, scale_y, scale_z;
 } self;
 
-/* A particle's neighbours in a list. */
+/* A row of a list: a particle's neighbours. */
 typedef struct row {
   const uint32_t *offset;
   int32_t entries; /* in whole groups */
   int32_t count;
 } row;
 
-HC_INLINE row row_of(const hc_neighbors *list, int32_t i) {
-  const uint32_t first = list->start[i];
-  return (row){list->offset + (size_t)first * HC_GROUP, (int32_t)(list->start[i + 1] - first) * HC_GROUP,
-               list->count[i]};
+HC_INLINE row row_of(const hc_neighbors *list, int32_t number) {
+  const uint32_t first = list->start[number];
+  return (row){list->offset + (size_t)first * HC_GROUP, (int32_t)(list->start[number + 1] - first) * HC_GROUP,
+               list->count[number]};
+}
+
+/* Nobody reads ghosts' values that are still on their way: only interior particles have no ghosts among their
+ * neighbours. */
+HC_INLINE void expect_ready(const hc_particles *particles, hc_field_set fields, const hc_particles *targets,
+                            hc_selection selection) {
+  HC_CHECK(!(particles->under_way & fields) || selection.begin >= selection.end ||
+               (particles == targets && hc_selected(selection, selection.begin) >= particles->border),
+           "a sweep reads fields that are being refreshed: %#llx",
+           (unsigned long long)(particles->under_way & fields));
+}
+
+HC_INLINE void expect_walls(const hc_sweep *sweep) {
+  const hc_particles *boundary = sweep->boundary, *moving = boundary->tail;
+  HC_CHECK(!boundary->under_way && !(moving && moving->under_way),
+           "a sweep reads walls that are being refreshed");
 }
 
 HC_INLINE self make_self(const hc_sweep *sweep, const hc_record *place) {
@@ -158,8 +175,8 @@ HC_INLINE void add_up_vectors(block_vectors *block, int32_t count) {
 }
 
 /* Sums over boundary neighbours of a block: V_b W and V_b grad W without their constants. */
-HC_INLINE void sum_walls(const hc_sweep *sweep, int32_t first, int32_t count, block_sums *densities,
-                         block_vectors *gradients) {
+HC_INLINE void sum_walls(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
+                         block_sums *densities, block_vectors *gradients) {
   if (sweep->walls->start[first] == sweep->walls->start[first + count]) { /* far from any wall */
     memset(densities->total, 0, sizeof densities->total);
     memset(gradients->x.total, 0, sizeof gradients->x.total);
@@ -168,7 +185,7 @@ HC_INLINE void sum_walls(const hc_sweep *sweep, int32_t first, int32_t count, bl
     return;
   }
   for (int32_t k = 0; k < count; k++) {
-    const self own = make_self(sweep, &sweep->fluid->place[first + k]);
+    const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, first + k)]);
     const row row = row_of(sweep->walls, first + k);
     sums density = {{{0}}};
     vector_sums gradient = no_sums();
@@ -192,10 +209,10 @@ HC_INLINE void sum_walls(const hc_sweep *sweep, int32_t first, int32_t count, bl
 /* Sums W over the neighbours of targets [first, first + count), or W times the scalar of `weights`, records
  * beside the sources; without the constant. */
 HC_INLINE void sum_kernels(const hc_sweep *sweep, const hc_record *targets, const hc_neighbors *list,
-                           const hc_record *sources, const hc_record *weights, int32_t first, int32_t count,
-                           block_sums *kernels) {
+                           const hc_record *sources, const hc_record *weights, hc_selection selection,
+                           int32_t first, int32_t count, block_sums *kernels) {
   for (int32_t k = 0; k < count; k++) {
-    const self own = make_self(sweep, &targets[first + k]);
+    const self own = make_self(sweep, &targets[hc_selected(selection, first + k)]);
     const row row = row_of(list, first + k);
     sums sum = {{{0}}};
     for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
@@ -217,12 +234,13 @@ HC_INLINE void sum_kernels(const hc_sweep *sweep, const hc_record *targets, cons
 }
 
 /* Sums (s_i + s_j) grad W over fluid neighbours of a block with s = place.scalar, without the constant. */
-HC_INLINE void sum_pressure_gradients(const hc_sweep *sweep, int32_t first, int32_t count,
-                                      block_vectors *gradients) {
+HC_INLINE void sum_pressure_gradients(const hc_sweep *sweep, hc_selection selection, int32_t first,
+                                      int32_t count, block_vectors *gradients) {
   const hc_record *place = sweep->fluid->place;
   for (int32_t k = 0; k < count; k++) {
-    const self own = make_self(sweep, &place[first + k]);
-    const hc_float scalar = hc_set(place[first + k].scalar);
+    const int32_t i = hc_selected(selection, first + k);
+    const self own = make_self(sweep, &place[i]);
+    const hc_float scalar = hc_set(place[i].scalar);
     const row row = row_of(sweep->list, first + k);
     vector_sums sum = no_sums();
     for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
@@ -240,19 +258,18 @@ HC_INLINE void sum_pressure_gradients(const hc_sweep *sweep, int32_t first, int3
 }
 
 /* The sweeps that hc_sweeps is put together from, those of the other files. */
-typedef void hc_force_sweep(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
+typedef void hc_force_sweep(const hc_sweep *sweep, float weight, float *change, hc_selection selection);
 hc_force_sweep HC_ISA_SYMBOL(hc_xsph), HC_ISA_SYMBOL(hc_laminar), HC_ISA_SYMBOL(hc_artificial),
     HC_ISA_SYMBOL(hc_cohesion);
-typedef void hc_prediction_sweep(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
-                                 int32_t end, hc_error_total *total);
+typedef void hc_prediction_sweep(const hc_sweep *sweep, const hc_prediction *prediction,
+                                 hc_selection selection, hc_error_total *total);
 hc_prediction_sweep HC_ISA_SYMBOL(hc_predicted_density), HC_ISA_SYMBOL(hc_corrected_density);
-void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
-                                        int32_t end);
-void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
-                            int32_t end);
+void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_prediction *prediction,
+                                        hc_particles *boundary, const hc_neighbors *wetted,
+                                        hc_selection selection);
+void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *prediction, hc_selection selection);
 void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts,
-                                int32_t begin, int32_t end);
-void HC_ISA_SYMBOL(hc_wall_velocities)(const hc_sweep *sweep, hc_record *velocities, int32_t begin,
-                                       int32_t end);
+                                hc_selection selection);
+void HC_ISA_SYMBOL(hc_wall_velocities)(const hc_sweep *sweep, hc_record *velocities, hc_selection selection);
 
 #endif

@@ -6,12 +6,14 @@
 /* ---- what walls add ---- */
 
 /* Sums W over boundary neighbours of a block, without the constant; each sample as a particle of fluid. */
-HC_INLINE void sum_wall_kernels(const hc_sweep *sweep, int32_t first, int32_t count, block_sums *kernels) {
+HC_INLINE void sum_wall_kernels(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
+                                block_sums *kernels) {
   if (sweep->walls->start[first] == sweep->walls->start[first + count]) { /* far from any wall */
     memset(kernels->total, 0, sizeof kernels->total);
     return;
   }
-  sum_kernels(sweep, sweep->fluid->place, sweep->walls, sweep->boundary->place, NULL, first, count, kernels);
+  sum_kernels(sweep, sweep->fluid->place, sweep->walls, sweep->boundary->place, NULL, selection, first, count,
+              kernels);
 }
 
 /* Where particles of a block stand to the planes through the samples around them: w = max(0, 1 - q), sums of
@@ -32,14 +34,14 @@ HC_INLINE void no_planes(block_planes *planes) {
 /* Sums w = max(0, 1 - q * steepness), w times the samples' vectors (normals or velocities), and w times the
  * height over the sample (`plane`) or w (1 - q * steepness). */
 HC_INLINE void sum_planes(const hc_sweep *sweep, const hc_record *vectors, bool plane, float steepness,
-                          int32_t first, int32_t count, block_planes *planes) {
+                          hc_selection selection, int32_t first, int32_t count, block_planes *planes) {
   if (sweep->walls->start[first] == sweep->walls->start[first + count]) {
     no_planes(planes);
     return;
   }
   const hc_float one = hc_set(1.0f), zero = hc_set(0.0f), rate = hc_set(steepness);
   for (int32_t k = 0; k < count; k++) {
-    const self own = make_self(sweep, &sweep->fluid->place[first + k]);
+    const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, first + k)]);
     const row row = row_of(sweep->walls, first + k);
     sums weight = {{{0}}}, height = {{{0}}};
     vector_sums normal = no_sums();
@@ -76,8 +78,8 @@ static float density_at(const float *weights, float distance) {
 }
 
 /* The walls' share in the densities of a block, by the rule. */
-HC_INLINE void sum_wall_densities(const hc_sweep *sweep, const hc_prediction *prediction, int32_t first,
-                                  int32_t count, float share[BLOCK]) {
+HC_INLINE void sum_wall_densities(const hc_sweep *sweep, const hc_prediction *prediction,
+                                  hc_selection selection, int32_t first, int32_t count, float share[BLOCK]) {
   block_sums sums;
   block_vectors gradients;
   block_planes planes;
@@ -86,15 +88,15 @@ HC_INLINE void sum_wall_densities(const hc_sweep *sweep, const hc_prediction *pr
     memset(share, 0, (size_t)count * sizeof *share);
     break;
   case HC_WALLS_MIRRORED:
-    sum_walls(sweep, first, count, &sums, &gradients);
+    sum_walls(sweep, selection, first, count, &sums, &gradients);
     for (int32_t k = 0; k < count; k++) share[k] = sweep->kernel * sums.total[k];
     break;
   case HC_WALLS_PRESSURE:
-    sum_wall_kernels(sweep, first, count, &sums);
+    sum_wall_kernels(sweep, selection, first, count, &sums);
     for (int32_t k = 0; k < count; k++) share[k] = sweep->kernel * sweep->volume * sums.total[k];
     break;
   case HC_WALLS_DISTANCE:
-    sum_planes(sweep, sweep->boundary->facing, true, 1.0f, first, count, &planes);
+    sum_planes(sweep, sweep->boundary->facing, true, 1.0f, selection, first, count, &planes);
     for (int32_t k = 0; k < count; k++)
       share[k] = planes.weight.total[k] > 0.0f
                      ? density_at(prediction->weights, planes.height.total[k] / planes.weight.total[k])
@@ -106,16 +108,18 @@ HC_INLINE void sum_wall_densities(const hc_sweep *sweep, const hc_prediction *pr
 /* ---- densities and pressures ---- */
 
 void HC_ISA_SYMBOL(hc_predicted_density)(const hc_sweep *sweep, const hc_prediction *prediction,
-                                         int32_t begin, int32_t end, hc_error_total *total) {
+                                         hc_selection selection, hc_error_total *total) {
   hc_particles *fluid = sweep->fluid;
+  expect_ready(fluid, HC_WHOLE(place), fluid, selection);
+  expect_walls(sweep);
   block_sums kernels;
   float share[BLOCK];
-  for (int32_t first = begin; first < end; first += BLOCK) {
-    const int32_t count = block_size(first, end);
-    sum_kernels(sweep, fluid->place, sweep->list, fluid->place, NULL, first, count, &kernels);
-    sum_wall_densities(sweep, prediction, first, count, share);
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
+    sum_kernels(sweep, fluid->place, sweep->list, fluid->place, NULL, selection, first, count, &kernels);
+    sum_wall_densities(sweep, prediction, selection, first, count, share);
     for (int32_t k = 0; k < count; k++) {
-      const int32_t i = first + k;
+      const int32_t i = hc_selected(selection, first + k);
       const float relative = sweep->kernel * sweep->volume * (1.0f + kernels.total[k]) + share[k];
       if (prediction->shepard) {
         fluid->density[i] = relative;
@@ -128,16 +132,19 @@ void HC_ISA_SYMBOL(hc_predicted_density)(const hc_sweep *sweep, const hc_predict
 }
 
 void HC_ISA_SYMBOL(hc_corrected_density)(const hc_sweep *sweep, const hc_prediction *prediction,
-                                         int32_t begin, int32_t end, hc_error_total *total) {
+                                         hc_selection selection, hc_error_total *total) {
   hc_particles *fluid = sweep->fluid;
+  expect_ready(fluid, HC_WHOLE(place), fluid, selection);
+  expect_walls(sweep);
   block_sums kernels;
   float share[BLOCK];
-  for (int32_t first = begin; first < end; first += BLOCK) {
-    const int32_t count = block_size(first, end);
-    sum_kernels(sweep, fluid->place, sweep->list, fluid->place, fluid->motion, first, count, &kernels);
-    sum_wall_densities(sweep, prediction, first, count, share);
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
+    sum_kernels(sweep, fluid->place, sweep->list, fluid->place, fluid->motion, selection, first, count,
+                &kernels);
+    sum_wall_densities(sweep, prediction, selection, first, count, share);
     for (int32_t k = 0; k < count; k++) {
-      const int32_t i = first + k;
+      const int32_t i = hc_selected(selection, first + k);
       const float own = fluid->density[i];
       const float volumes = sweep->kernel * sweep->volume * (1.0f / own + kernels.total[k]) + share[k];
       hc_end_prediction(sweep, prediction, i, own / volumes, total);
@@ -145,18 +152,18 @@ void HC_ISA_SYMBOL(hc_corrected_density)(const hc_sweep *sweep, const hc_predict
   }
 }
 
-void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
-                                        int32_t end) {
-  hc_particles *boundary = sweep->boundary;
-  const hc_neighbors *list = sweep->wetted;
+void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_prediction *prediction,
+                                        hc_particles *boundary, const hc_neighbors *list,
+                                        hc_selection selection) {
+  expect_ready(sweep->fluid, HC_WHOLE(place), boundary, selection);
   block_sums kernels;
-  for (int32_t first = begin; first < end; first += BLOCK) {
-    const int32_t count = block_size(first, end);
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
     if (list->start[first] == list->start[first + count]) continue; /* dry: the pressure stays 0 */
-    sum_kernels(sweep, boundary->place, list, sweep->fluid->place, NULL, first, count, &kernels);
+    sum_kernels(sweep, boundary->place, list, sweep->fluid->place, NULL, selection, first, count, &kernels);
     for (int32_t k = 0; k < count; k++) {
-      const int32_t b = first + k;
-      if (list->count[b] == 0) continue;
+      const int32_t b = hc_selected(selection, first + k);
+      if (list->count[first + k] == 0) continue;
       const float relative = sweep->kernel * sweep->volume * kernels.total[k] + boundary->boundary_share[b];
       boundary->pressure[b] = hc_next_pressure(sweep, prediction, boundary->pressure[b], relative);
       boundary->place[b].scalar = hc_pressure_scalar(sweep, boundary->pressure[b], relative);
@@ -167,7 +174,8 @@ void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_predicti
 /* ---- the pressure's push ---- */
 
 /* Sums (s_i + s_b) grad W over boundary neighbours of a block, without constants. */
-HC_INLINE void sum_wall_pushes(const hc_sweep *sweep, int32_t first, int32_t count, block_vectors *pushes) {
+HC_INLINE void sum_wall_pushes(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
+                               block_vectors *pushes) {
   if (sweep->walls->start[first] == sweep->walls->start[first + count]) {
     memset(pushes->x.total, 0, sizeof pushes->x.total);
     memset(pushes->y.total, 0, sizeof pushes->y.total);
@@ -175,8 +183,9 @@ HC_INLINE void sum_wall_pushes(const hc_sweep *sweep, int32_t first, int32_t cou
     return;
   }
   for (int32_t k = 0; k < count; k++) {
-    const self own = make_self(sweep, &sweep->fluid->place[first + k]);
-    const hc_float scalar = hc_set(sweep->fluid->place[first + k].scalar);
+    const int32_t i = hc_selected(selection, first + k);
+    const self own = make_self(sweep, &sweep->fluid->place[i]);
+    const hc_float scalar = hc_set(sweep->fluid->place[i].scalar);
     const row row = row_of(sweep->walls, first + k);
     vector_sums sum = no_sums();
     for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
@@ -192,17 +201,18 @@ HC_INLINE void sum_wall_pushes(const hc_sweep *sweep, int32_t first, int32_t cou
   add_up_vectors(pushes, count);
 }
 
-void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
-                            int32_t end) {
+void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *prediction, hc_selection selection) {
   hc_particles *fluid = sweep->fluid;
   const float weight = -prediction->dt * sweep->volume * sweep->gradient;
+  expect_ready(fluid, HC_WHOLE(place) | HC_SCALAR(place), fluid, selection);
+  expect_walls(sweep);
   block_vectors pushes, walls;
-  for (int32_t first = begin; first < end; first += BLOCK) {
-    const int32_t count = block_size(first, end);
-    sum_pressure_gradients(sweep, first, count, &pushes);
-    if (sweep->walls_add == HC_WALLS_PRESSURE) sum_wall_pushes(sweep, first, count, &walls);
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
+    sum_pressure_gradients(sweep, selection, first, count, &pushes);
+    if (sweep->walls_add == HC_WALLS_PRESSURE) sum_wall_pushes(sweep, selection, first, count, &walls);
     for (int32_t k = 0; k < count; k++) {
-      const size_t i = (size_t)(first + k);
+      const size_t i = (size_t)hc_selected(selection, first + k);
       float push[3] = {weight * pushes.x.total[k], weight * pushes.y.total[k], weight * pushes.z.total[k]};
       if (sweep->walls_add == HC_WALLS_PRESSURE) {
         push[0] += weight * walls.x.total[k];
@@ -221,18 +231,18 @@ void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *predicti
 /* ---- contact ---- */
 
 void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts,
-                                int32_t begin, int32_t end) {
+                                hc_selection selection) {
   const bool plane = rule == HC_CONTACT_DISTANCE;
   const float steepness = plane ? 1.0f : sweep->support / sweep->reach;
   block_planes planes;
-  for (int32_t first = begin; first < end; first += BLOCK) {
-    const int32_t count = block_size(first, end);
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
     if (plane)
-      sum_planes(sweep, sweep->boundary->facing, true, 1.0f, first, count, &planes);
+      sum_planes(sweep, sweep->boundary->facing, true, 1.0f, selection, first, count, &planes);
     else
-      sum_planes(sweep, sweep->boundary->facing, false, steepness, first, count, &planes);
+      sum_planes(sweep, sweep->boundary->facing, false, steepness, selection, first, count, &planes);
     for (int32_t k = 0; k < count; k++) {
-      hc_record *contact = &contacts[first + k];
+      hc_record *contact = &contacts[hc_selected(selection, first + k)];
       const float weight = planes.weight.total[k];
       memset(contact, 0, sizeof *contact);
       if (!(weight > 0.0f)) continue;
@@ -245,16 +255,15 @@ void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_
   }
 }
 
-void HC_ISA_SYMBOL(hc_wall_velocities)(const hc_sweep *sweep, hc_record *velocities, int32_t begin,
-                                       int32_t end) {
+void HC_ISA_SYMBOL(hc_wall_velocities)(const hc_sweep *sweep, hc_record *velocities, hc_selection selection) {
   const float steepness = sweep->support / sweep->reach;
   block_planes planes;
-  for (int32_t first = begin; first < end; first += BLOCK) {
-    const int32_t count = block_size(first, end);
-    sum_planes(sweep, sweep->boundary->motion, false, steepness, first, count, &planes);
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
+    sum_planes(sweep, sweep->boundary->motion, false, steepness, selection, first, count, &planes);
     for (int32_t k = 0; k < count; k++) {
       const float scale = planes.weight.total[k] > 0.0f ? 1.0f / planes.weight.total[k] : 0.0f;
-      velocities[first + k] =
+      velocities[hc_selected(selection, first + k)] =
           (hc_record){.v = {scale * planes.normal.x.total[k], scale * planes.normal.y.total[k],
                             scale * planes.normal.z.total[k]}};
     }

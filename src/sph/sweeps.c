@@ -25,11 +25,13 @@ hc_sweep hc_sweep_make(const hc_frame *frame, double volume, double rest_density
   return sweep;
 }
 
-void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, int32_t begin, int32_t end,
+void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
                         hc_error_total *total) {
   const float per_density = 1.0f / sweep->rest_density;
-  for (int32_t i = begin; i < end; i++)
-    hc_error_apply(sweep, rule, per_density, i, sweep->fluid->place[i].scalar, total);
+  for (int32_t row = selection.begin; row < selection.end; row++) {
+    const int32_t i = hc_selected(selection, row);
+    hc_error_apply(sweep, rule, per_density, row, i, sweep->fluid->place[i].scalar, total);
+  }
 }
 
 hc_sum hc_error_sum(const hc_error_total *total) {

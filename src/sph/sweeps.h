@@ -7,13 +7,15 @@
  * masses enter as volumes: V = m/rho0 for fluid, V_b for boundary particles. Pair arithmetic is single
  * precision, eight neighbours at a time, summed in a fixed tree; velocities are updated in double precision.
  *
- * Each sweep covers own particles [begin, end), which may be the border, the interior, or all. */
+ * Each sweep covers a selection of own particles, that of the lists or a part of it: all, the border, the
+ * interior, those that are due. What it leaves with a particle does not depend on who else is in it. */
 #ifndef HC_SWEEPS_H
 #define HC_SWEEPS_H
 
 #include "base/exact_sum.h"
 #include "base/isa.h"
 #include "space/neighbors.h"
+#include "space/selection.h"
 
 /* What walls add to the densities and pressures of predicted positions. */
 typedef enum hc_wall_rule {
@@ -35,14 +37,14 @@ typedef struct hc_sweep {
   float reach;        /* m: nearer to a sample a particle is in contact, where walls are rigid */
   hc_wall_rule walls_add;
   hc_particles *fluid;
-  hc_particles
-      *boundary; /* place.scalar is V_b, or what the boundary method makes of it; motion the velocity */
-  const hc_neighbors *list;   /* fluid -> fluid */
-  const hc_neighbors *walls;  /* fluid -> boundary */
-  const hc_neighbors *wetted; /* boundary -> fluid; empty where walls have no pressure of their own */
-  bool walls_move;            /* has any boundary particle a velocity? */
-  const hc_record *contacts;  /* v: change of velocity by contact in the last step, m/s; null where walls are
-                                 not  rigid */
+  hc_particles *boundary;    /* walls that stand still; behind their records those of moving ones.
+                                place.scalar is V_b, or what the boundary method makes of it; motion the velocity
+                                and the wall's number */
+  const hc_neighbors *list;  /* fluid -> fluid */
+  const hc_neighbors *walls; /* fluid -> boundary, all of it */
+  bool walls_move;           /* has any boundary particle a velocity? */
+  const hc_record *contacts; /* v: change of velocity by contact in the last step, m/s; null where walls are
+                                not  rigid */
 } hc_sweep;
 
 /* How the error sweep weighs: e_i = of_density (D_i - 1) + of_rate dD_i/dt. */
@@ -87,38 +89,38 @@ typedef struct hc_sweeps {
    * alpha = 1/(|V sum grad W + B|^2 + V^2 sum |grad W|^2), 0 where the denominator vanishes; and place.scalar
    * = dD/dt, as the error sweep has it. Akinci et al. 2012; Bender and Koschier 2015, eq. 9; the squared sum
    * runs over fluid neighbours only. */
-  void (*density)(const hc_sweep *sweep, int32_t begin, int32_t end);
+  void (*density)(const hc_sweep *sweep, hc_selection selection);
 
   /* wall_density, wall_gradient and wall_rate alone. */
-  void (*wall_sums)(const hc_sweep *sweep, int32_t begin, int32_t end);
+  void (*wall_sums)(const hc_sweep *sweep, hc_selection selection);
 
   /* dD/dt = V sum (v_i - v_j) . grad W + v_i . B - wall_rate, then by the rule the error e_i, clamped at 0
    * from below unless signed, and place.scalar = relaxation alpha_i e_i. Adds |e_i| to the total. Carensac et
    * al. 2023, eq. 2 and algorithms 3, 4. */
-  void (*error)(const hc_sweep *sweep, const hc_error_rule *rule, int32_t begin, int32_t end,
+  void (*error)(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
                 hc_error_total *total);
 
   /* v_i -= weight (V sum (kappa_i + kappa_j) grad W + kappa_i B) with kappa = place.scalar; multiplier_i +=
    * kappa_i. Carensac et al. 2023, eq. 1. */
-  void (*pressure)(const hc_sweep *sweep, float weight, float *multiplier, int32_t begin, int32_t end);
+  void (*pressure)(const hc_sweep *sweep, float weight, float *multiplier, hc_selection selection);
 
   /* change_i = weight sum V (1/D_i + 1/D_j)/2 (v_j - v_i) W: XSPH (Schechter and Bridson 2012), symmetric in
    * i and j so that it conserves momentum. */
-  void (*xsph)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
+  void (*xsph)(const hc_sweep *sweep, float weight, float *change, hc_selection selection);
 
   /* change_i = weight sum V 2 (v_i - v_j) (x_ij . grad W)/(r^2 + 0.01 (h/2)^2), boundary neighbours with V_b
    * included: laminar viscosity (Morris et al. 1997) at rest density; weight = nu dt. Behind the wetted
    * surface the velocity goes on as it comes to the wall's there: v_i - v_b = (v_i - v_wall) (1 + d_b/d_i)
    * with the distances from the surface along B, at most twice. */
-  void (*laminar)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
+  void (*laminar)(const hc_sweep *sweep, float weight, float *change, hc_selection selection);
 
   /* change_i = weight sum V min(0, v_ij . x_ij)/(r^2 + 0.01 (h/2)^2) grad W, boundary likewise: artificial
    * viscosity (Monaghan 1992) at rest density; weight = alpha h c dt. */
-  void (*artificial)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
+  void (*artificial)(const hc_sweep *sweep, float weight, float *change, hc_selection selection);
 
   /* change_i += -weight sum W (x_i - x_j) over fluid neighbours: surface tension (Becker and Teschner 2007);
    * weight = kappa dt. */
-  void (*cohesion)(const hc_sweep *sweep, float weight, float *change, int32_t begin, int32_t end);
+  void (*cohesion)(const hc_sweep *sweep, float weight, float *change, hc_selection selection);
 
   /* boundary->place.scalar = volume = factor / (W(0) + sum_b W) over boundary neighbours. Akinci et al. 2012,
    * eq. 4. */
@@ -130,32 +132,32 @@ typedef struct hc_sweeps {
    * D_i - 1 where positive is added to the total, pressure += rho0 stiffness (D_i - 1), clamped at 0 from
    * below unless it may be negative, and place.scalar = pressure/(rho0 D_i^2), MIRRORED: pressure/rho0.
    * Ihmsen et al. 2010, eq. 2, 3, 13. */
-  void (*predicted_density)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
-                            int32_t end, hc_error_total *total);
+  void (*predicted_density)(const hc_sweep *sweep, const hc_prediction *prediction, hc_selection selection,
+                            hc_error_total *total);
 
   /* D_i becomes D_i/(V sum W/D_j + walls), and the prediction ends as above. Bonet and Kulasegaram 2002.
    * Ghosts' motion.scalar must be current; walls count with their V_b. */
-  void (*corrected_density)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
-                            int32_t end, hc_error_total *total);
+  void (*corrected_density)(const hc_sweep *sweep, const hc_prediction *prediction, hc_selection selection,
+                            hc_error_total *total);
 
-  /* The same of own boundary particles that have a pressure: D_b = boundary_share + V sum W over fluid. */
-  void (*boundary_density)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin,
-                           int32_t end);
+  /* The same of own particles of a boundary store that have a pressure: D_b = boundary_share + V sum W over
+   * fluid, `wetted` being the store's neighbours there. */
+  void (*boundary_density)(const hc_sweep *sweep, const hc_prediction *prediction, hc_particles *boundary,
+                           const hc_neighbors *wetted, hc_selection selection);
 
   /* push_i = -dt (V sum (s_i + s_j) grad W + the walls' part) with s = place.scalar. Ihmsen et al. 2010,
    * eq. 6. */
-  void (*push)(const hc_sweep *sweep, const hc_prediction *prediction, int32_t begin, int32_t end);
+  void (*push)(const hc_sweep *sweep, const hc_prediction *prediction, hc_selection selection);
 
   /* contacts_i: v the direction away from the walls (not of unit length; 0: no contact), scalar the depth, m.
    * WEIGHTED: w = max(0, 1 - r/reach); v = sum w n_b, depth = sum w (reach - r) / sum w. DISTANCE: over
    * samples in front of which the particle is, with w = max(0, 1 - r/h), v = sum w n_b and depth = reach -
    * sum w (x_i - x_b) . n_b / sum w, which may be negative. */
-  void (*contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts, int32_t begin,
-                   int32_t end);
+  void (*contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_record *contacts, hc_selection selection);
 
   /* velocities_i.v = sum w v_b / sum w with the weights of WEIGHTED: how fast the walls move that are
    * touched; 0 without contact. */
-  void (*wall_velocities)(const hc_sweep *sweep, hc_record *velocities, int32_t begin, int32_t end);
+  void (*wall_velocities)(const hc_sweep *sweep, hc_record *velocities, hc_selection selection);
 } hc_sweeps;
 
 /* The sweeps compiled for an instruction set. */
@@ -166,7 +168,7 @@ const hc_sweeps *hc_sweeps_avx2(void);
 const hc_sweeps *hc_sweeps_avx512(void);
 
 /* The end of an error sweep for particles whose place.scalar already holds dD/dt. */
-void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, int32_t begin, int32_t end,
+void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
                         hc_error_total *total);
 
 /* The sum as an exact sum, NaN if an error was not finite. */

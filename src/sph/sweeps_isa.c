@@ -4,11 +4,12 @@
 #include "pairs.h"
 
 /* Sums over boundary neighbours of a block: V_b v_b . grad W without its constant. */
-HC_INLINE void sum_wall_rates(const hc_sweep *sweep, int32_t first, int32_t count, block_sums *rates) {
+HC_INLINE void sum_wall_rates(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
+                              block_sums *rates) {
   memset(rates->total, 0, sizeof rates->total);
   if (!sweep->walls_move || sweep->walls->start[first] == sweep->walls->start[first + count]) return;
   for (int32_t k = 0; k < count; k++) {
-    const self own = make_self(sweep, &sweep->fluid->place[first + k]);
+    const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, first + k)]);
     const row row = row_of(sweep->walls, first + k);
     sums rate = {{{0}}};
     for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
@@ -26,18 +27,21 @@ HC_INLINE void sum_wall_rates(const hc_sweep *sweep, int32_t first, int32_t coun
   add_up(rates, count);
 }
 
-static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
+static void density(const hc_sweep *sweep, hc_selection selection) {
+  expect_ready(sweep->fluid, HC_WHOLE(place) | HC_WHOLE(motion), sweep->fluid, selection);
+  expect_walls(sweep);
   hc_particles *fluid = sweep->fluid;
   const float smallest = 1e-5f / (sweep->support * sweep->support);
   const float weight = sweep->volume * sweep->gradient;
   block_sums densities, squares, rates, wall_densities, wall_rates;
   block_vectors gradients, wall_gradients;
-  for (int32_t first = begin; first < end; first += BLOCK) {
-    const int32_t count = block_size(first, end);
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
     for (int32_t k = 0; k < count; k++) {
-      const self own = make_self(sweep, &fluid->place[first + k]);
+      const int32_t i = hc_selected(selection, first + k);
+      const self own = make_self(sweep, &fluid->place[i]);
       const row row = row_of(sweep->list, first + k);
-      const vector velocity = spread_velocity(&fluid->motion[first + k]);
+      const vector velocity = spread_velocity(&fluid->motion[i]);
       sums sum = {{{0}}}, square = {{{0}}}, rate = {{{0}}};
       vector_sums gradient = no_sums();
       for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
@@ -59,14 +63,14 @@ static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
       hc_store_lanes(rate.part, rates.lanes[k]);
       store_vector(&gradients, k, &gradient);
     }
-    sum_walls(sweep, first, count, &wall_densities, &wall_gradients);
-    sum_wall_rates(sweep, first, count, &wall_rates);
+    sum_walls(sweep, selection, first, count, &wall_densities, &wall_gradients);
+    sum_wall_rates(sweep, selection, first, count, &wall_rates);
     add_up(&densities, count);
     add_up(&squares, count);
     add_up(&rates, count);
     add_up_vectors(&gradients, count);
     for (int32_t k = 0; k < count; k++) {
-      const int32_t i = first + k;
+      const int32_t i = hc_selected(selection, first + k);
       const float wall[3] = {sweep->gradient * wall_gradients.x.total[k],
                              sweep->gradient * wall_gradients.y.total[k],
                              sweep->gradient * wall_gradients.z.total[k]};
@@ -76,9 +80,10 @@ static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
                   z = weight * gradients.z.total[k] + wall[2];
       const float denominator = x * x + y * y + z * z + weight * weight * squares.total[k];
       const float *v = fluid->motion[i].v;
-      fluid->wall_rate[i] = sweep->gradient * wall_rates.total[k];
+      const float wall_rate = sweep->gradient * wall_rates.total[k];
+      if (fluid->wall_rate) fluid->wall_rate[i] = wall_rate;
       fluid->place[i].scalar =
-          weight * rates.total[k] + (v[0] * wall[0] + v[1] * wall[1] + v[2] * wall[2] - fluid->wall_rate[i]);
+          weight * rates.total[k] + (v[0] * wall[0] + v[1] * wall[1] + v[2] * wall[2] - wall_rate);
       memcpy(&fluid->wall_gradient[3 * (size_t)i], wall, sizeof wall);
       fluid->wall_density[i] = of_walls;
       fluid->density[i] = sweep->rest_density * relative;
@@ -88,37 +93,41 @@ static void density(const hc_sweep *sweep, int32_t begin, int32_t end) {
   }
 }
 
-static void wall_sums(const hc_sweep *sweep, int32_t begin, int32_t end) {
+static void wall_sums(const hc_sweep *sweep, hc_selection selection) {
+  expect_walls(sweep);
   block_sums densities, rates;
   block_vectors gradients;
-  for (int32_t first = begin; first < end; first += BLOCK) {
-    const int32_t count = block_size(first, end);
-    sum_walls(sweep, first, count, &densities, &gradients);
-    sum_wall_rates(sweep, first, count, &rates);
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
+    sum_walls(sweep, selection, first, count, &densities, &gradients);
+    sum_wall_rates(sweep, selection, first, count, &rates);
     for (int32_t k = 0; k < count; k++) {
-      float *gradient = &sweep->fluid->wall_gradient[3 * (size_t)(first + k)];
+      const int32_t i = hc_selected(selection, first + k);
+      float *gradient = &sweep->fluid->wall_gradient[3 * (size_t)i];
       gradient[0] = sweep->gradient * gradients.x.total[k];
       gradient[1] = sweep->gradient * gradients.y.total[k];
       gradient[2] = sweep->gradient * gradients.z.total[k];
-      sweep->fluid->wall_density[first + k] = sweep->kernel * densities.total[k];
-      sweep->fluid->wall_rate[first + k] = sweep->gradient * rates.total[k];
+      sweep->fluid->wall_density[i] = sweep->kernel * densities.total[k];
+      if (sweep->fluid->wall_rate) sweep->fluid->wall_rate[i] = sweep->gradient * rates.total[k];
     }
   }
 }
 
 /* ---- the pressure solvers' two sweeps ---- */
 
-static void error(const hc_sweep *sweep, const hc_error_rule *rule, int32_t begin, int32_t end,
+static void error(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
                   hc_error_total *total) {
   const hc_particles *fluid = sweep->fluid;
+  expect_ready(fluid, HC_WHOLE(place) | HC_WHOLE(motion), fluid, selection);
   const float weight = sweep->volume * sweep->gradient;
   const float per_density = 1.0f / sweep->rest_density;
   block_sums rates;
-  for (int32_t first = begin; first < end; first += BLOCK) {
-    const int32_t count = block_size(first, end);
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
     for (int32_t k = 0; k < count; k++) {
-      const self own = make_self(sweep, &fluid->place[first + k]);
-      const vector velocity = spread_velocity(&fluid->motion[first + k]);
+      const int32_t i = hc_selected(selection, first + k);
+      const self own = make_self(sweep, &fluid->place[i]);
+      const vector velocity = spread_velocity(&fluid->motion[i]);
       const row row = row_of(sweep->list, first + k);
       sums sum = {{{0}}};
       for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
@@ -136,23 +145,25 @@ static void error(const hc_sweep *sweep, const hc_error_rule *rule, int32_t begi
     }
     add_up(&rates, count);
     for (int32_t k = 0; k < count; k++) {
-      const float *wall = &fluid->wall_gradient[3 * (size_t)(first + k)], *v = fluid->motion[first + k].v;
-      const float of_walls = sweep->walls_move ? fluid->wall_rate[first + k] : 0.0f;
+      const int32_t i = hc_selected(selection, first + k);
+      const float *wall = &fluid->wall_gradient[3 * (size_t)i], *v = fluid->motion[i].v;
+      const float of_walls = sweep->walls_move ? fluid->wall_rate[i] : 0.0f;
       const float wall_rate = v[0] * wall[0] + v[1] * wall[1] + v[2] * wall[2] - of_walls;
-      hc_error_apply(sweep, rule, per_density, first + k, weight * rates.total[k] + wall_rate, total);
+      hc_error_apply(sweep, rule, per_density, first + k, i, weight * rates.total[k] + wall_rate, total);
     }
   }
 }
 
-static void pressure(const hc_sweep *sweep, float weight, float *multiplier, int32_t begin, int32_t end) {
+static void pressure(const hc_sweep *sweep, float weight, float *multiplier, hc_selection selection) {
   hc_particles *fluid = sweep->fluid;
   const float pair_weight = weight * sweep->volume * sweep->gradient;
+  expect_ready(fluid, HC_WHOLE(place) | HC_SCALAR(place), fluid, selection);
   block_vectors changes;
-  for (int32_t first = begin; first < end; first += BLOCK) {
-    const int32_t count = block_size(first, end);
-    sum_pressure_gradients(sweep, first, count, &changes);
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
+    sum_pressure_gradients(sweep, selection, first, count, &changes);
     for (int32_t k = 0; k < count; k++) {
-      const int32_t i = first + k;
+      const int32_t i = hc_selected(selection, first + k);
       const float kappa = fluid->place[i].scalar, wall_weight = weight * kappa;
       const float *wall = &fluid->wall_gradient[3 * (size_t)i];
       double *velocity = &fluid->velocity[3 * (size_t)i];
@@ -172,7 +183,8 @@ static void boundary_volume(const hc_sweep *sweep, hc_particles *boundary, const
   block_sums kernels;
   for (int32_t first = 0; first < boundary->own; first += BLOCK) {
     const int32_t count = block_size(first, boundary->own);
-    sum_kernels(sweep, boundary->place, list, boundary->place, NULL, first, count, &kernels);
+    sum_kernels(sweep, boundary->place, list, boundary->place, NULL, hc_select_all(boundary), first, count,
+                &kernels);
     for (int32_t k = 0; k < count; k++)
       boundary->volume[first + k] = factor / (sweep->kernel * (1.0f + kernels.total[k]));
   }

@@ -27,8 +27,7 @@ static void remember_field(void *context, hc_particles *particles, hc_field_id f
 void hc_state_remember(hc_state_copy *copy, const hc_state *state, unsigned kinds) {
   copy->full = true;
   copy->kinds = kinds;
-  copy->own[0] = state->fluid->own;
-  copy->own[1] = state->boundary->own;
+  for (int k = 0; k < state->store_count; k++) copy->own[k] = state->stores[k]->own;
   copy->used = 0;
   hc_state_visit(state, kinds, &(hc_state_visitor){copy, remember_item, remember_field});
 }
@@ -56,8 +55,8 @@ static void restore_field(void *context, hc_particles *particles, hc_field_id fi
 
 void hc_state_restore(const hc_state_copy *copy, hc_state *state) {
   HC_CHECK(copy->full, "only a state that was remembered can be restored");
-  if (copy->kinds & HC_FLUID) hc_particles_resize(state->fluid, copy->own[0]);
-  if (copy->kinds & HC_BOUNDARY) hc_particles_resize(state->boundary, copy->own[1]);
+  for (int k = 0; k < state->store_count; k++)
+    if (hc_state_names(copy->kinds, state->stores[k])) hc_particles_resize(state->stores[k], copy->own[k]);
   reading reading = {copy, 0};
   hc_state_visit(state, copy->kinds, &(hc_state_visitor){&reading, restore_item, restore_field});
   HC_CHECK(reading.used == copy->used, "of a copy of %zu bytes %zu were used: other items are registered",

@@ -14,14 +14,14 @@
 typedef struct hc_state_copy {
   bool full;
   unsigned kinds;
-  int32_t own[2]; /* fluid, boundary */
+  int32_t own[HC_STATE_MOST_STORES];
   char *bytes;
   size_t used, capacity;
 } hc_state_copy;
 
 void hc_state_copy_free(hc_state_copy *copy);
 
-/* Overwrites the copy with the state as it is, particles of `kinds` (HC_FLUID | HC_BOUNDARY). */
+/* Overwrites the copy with the state as it is, particles of `kinds` (hc_state_names). */
 void hc_state_remember(hc_state_copy *copy, const hc_state *state, unsigned kinds);
 
 /* Puts the copy's state back. The same items must be registered as when it was remembered. Ghosts and all

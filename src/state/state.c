@@ -8,8 +8,17 @@
 #include <string.h>
 #include <xxhash.h>
 
-void hc_state_init(hc_state *state, hc_particles *fluid, hc_particles *boundary) {
-  *state = (hc_state){.fluid = fluid, .boundary = boundary};
+void hc_state_init(hc_state *state) {
+  memset(state, 0, sizeof *state);
+}
+
+void hc_state_add_store(hc_state *state, hc_particles *store) {
+  HC_CHECK(state->store_count < HC_STATE_MOST_STORES, "a state has at most %d stores", HC_STATE_MOST_STORES);
+  state->stores[state->store_count++] = store;
+}
+
+bool hc_state_names(unsigned kinds, const hc_particles *store) {
+  return kinds & (store->kind & HC_MOVED ? HC_MOVED : store->kind);
 }
 
 void hc_state_free(hc_state *state) {
@@ -37,12 +46,12 @@ void hc_state_add(hc_state *state, hc_field_type type, int count, void *data, co
 void hc_state_visit(const hc_state *state, unsigned kinds, const hc_state_visitor *visitor) {
   for (int k = 0; visitor->item && k < state->item_count; k++)
     visitor->item(visitor->context, &state->items[k]);
-  hc_particles *const stores[] = {state->fluid, state->boundary};
-  for (int store = 0; visitor->field && store < 2; store++) {
-    if (!(stores[store]->kind & kinds)) continue;
+  for (int k = 0; visitor->field && k < state->store_count; k++) {
+    hc_particles *store = state->stores[k];
+    if (!hc_state_names(kinds, store)) continue;
     for (int field = 0; field < HC_FIELD_COUNT; field++)
-      if ((hc_fields[field].flags & stores[store]->kind) && (hc_fields[field].flags & HC_STATE))
-        visitor->field(visitor->context, stores[store], (hc_field_id)field);
+      if (store->data[field] && hc_field_is_state(&hc_fields[field]))
+        visitor->field(visitor->context, store, (hc_field_id)field);
   }
 }
 
@@ -59,15 +68,20 @@ uint64_t hc_state_digest_items(const hc_state *state) {
 }
 
 uint64_t hc_state_digest_particles(const hc_state *state, unsigned kinds) {
-  const hc_particles *const stores[] = {state->fluid, state->boundary};
   uint64_t digest = 0;
-  for (int store = 0; store < 2; store++) {
-    if (!(stores[store]->kind & kinds)) continue;
-    const size_t bytes = hc_particles_state_bytes(stores[store]->kind);
-    char *block = hc_alloc(bytes, 1);
-    for (int32_t k = 0; k < stores[store]->own; k++) {
-      hc_particles_pack(stores[store], k, block);
-      digest += XXH3_64bits_withSeed(block, bytes, stores[store]->kind);
+  for (int s = 0; s < state->store_count; s++) {
+    const hc_particles *store = state->stores[s];
+    if (!hc_state_names(kinds, store)) continue;
+    char *block = hc_alloc(1, hc_particles_state_bytes(store->kind, store->features));
+    for (int32_t k = 0; k < store->own; k++) {
+      char *to = block;
+      for (int field = 0; field < HC_FIELD_COUNT; field++) {
+        if (!store->data[field] || !hc_field_is_state(&hc_fields[field])) continue;
+        const size_t bytes = hc_fields[field].bytes;
+        memcpy(to, (const char *)store->data[field] + (size_t)k * bytes, bytes);
+        to += bytes;
+      }
+      digest += XXH3_64bits_withSeed(block, (size_t)(to - block), store->kind);
     }
     hc_free(block);
   }

@@ -20,16 +20,25 @@ typedef struct hc_state_item {
   void *data;
 } hc_state_item;
 
+enum { HC_STATE_MOST_STORES = 8 };
+
 typedef struct hc_state {
-  hc_particles *fluid, *boundary; /* the owner's */
+  hc_particles *stores[HC_STATE_MOST_STORES]; /* the owner's, one of a kind; visited in this order */
+  int store_count;
   hc_state_item *items;
   int item_count;
   size_t item_capacity;
 } hc_state;
 
-/* A state without items; the stores stay in use. Freed with hc_state_free. Local. */
-void hc_state_init(hc_state *state, hc_particles *fluid, hc_particles *boundary);
+/* A state without items and stores. Freed with hc_state_free. Local. */
+void hc_state_init(hc_state *state);
 void hc_state_free(hc_state *state);
+
+/* Adds a store, which must stay where it is as long as the state lives. Local. */
+void hc_state_add_store(hc_state *state, hc_particles *store);
+
+/* Is the store of a sort that `kinds` names: HC_FLUID, HC_BOUNDARY (walls that stand still), HC_MOVED? */
+bool hc_state_names(unsigned kinds, const hc_particles *store);
 
 /* Registers an item, which must stay where it is as long as the state lives. Names are unique. Local. */
 void hc_state_add(hc_state *state, hc_field_type type, int count, void *data, const char *name, ...)
@@ -43,7 +52,7 @@ typedef struct hc_state_visitor {
 } hc_state_visitor;
 
 /* Visits all items in the order of their registration, then the state fields of the stores of `kinds`
- * (HC_FLUID | HC_BOUNDARY), fluid first, in the order of fields.def. Local. */
+ * (see hc_state_names), in the order of fields.def. Local. */
 void hc_state_visit(const hc_state *state, unsigned kinds, const hc_state_visitor *visitor);
 
 /* A number that tells states apart: the same for the same items and the same particles, whatever rank holds

@@ -5,147 +5,170 @@
 
 #include <string.h>
 
+static void init_stores(hc_world *world, unsigned features) {
+  static const unsigned kinds[HC_STORE_COUNT] = {HC_FLUID, HC_BOUNDARY, HC_BOUNDARY | HC_MOVED};
+  for (int k = 0; k < HC_STORE_COUNT; k++) {
+    hc_store *store = &world->stores[k];
+    hc_particles_init(&store->particles, kinds[k], features);
+    hc_cells_init(&store->cells);
+    hc_halo_init(&store->halo, &world->domain, &store->particles, k);
+    hc_neighbors_init(&store->wetted);
+  }
+  world->cells = &world->stores[HC_STORE_FLUID].cells;
+  world->halo = &world->stores[HC_STORE_FLUID].halo;
+  world->fluid = &world->stores[HC_STORE_FLUID].particles;
+  world->boundary = &world->stores[HC_STORE_BOUNDARY].particles;
+  world->moving = &world->stores[HC_STORE_MOVING].particles;
+  hc_particles_join(world->boundary, world->moving);
+}
+
 void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *settings) {
   memset(world, 0, sizeof *world);
   hc_stopwatch_start(&world->watch);
   world->comm = comm;
-  world->listed = -1;
   world->frame = settings->frame;
   world->mass = settings->mass;
   world->volume_factor = settings->volume_factor;
   world->contact_limit = settings->contact_limit;
   world->boundary_ops = settings->boundary_ops;
   hc_domain_init(&world->domain, comm, &world->frame);
-  hc_particles_init(&world->fluid, HC_FLUID);
-  hc_particles_init(&world->boundary, HC_BOUNDARY);
-  hc_cells_init(&world->cells);
-  hc_cells_init(&world->boundary_cells);
-  hc_halo_init(&world->halo, &world->domain, &world->fluid);
-  hc_halo_init(&world->boundary_halo, &world->domain, &world->boundary);
+  init_stores(world, settings->features);
   hc_neighbor_search_init(&world->search, settings->isa);
   hc_neighbors_init(&world->list);
   hc_neighbors_init(&world->walls);
-  hc_neighbors_init(&world->wetted);
   world->sweeps = hc_sweeps_of(settings->isa);
   world->sweep =
       hc_sweep_make(&world->frame, settings->mass / settings->rest_density, settings->rest_density);
   world->sweep.reach = 2.0f * world->sweep.wall_offset * world->sweep.support; /* a spacing */
   world->sweep.walls_add = settings->boundary_ops->walls;
-  world->sweep.fluid = &world->fluid;
-  world->sweep.boundary = &world->boundary;
+  world->sweep.fluid = world->fluid;
+  world->sweep.boundary = world->boundary;
   world->sweep.list = &world->list;
   world->sweep.walls = &world->walls;
-  world->sweep.wetted = &world->wetted;
 }
 
 void hc_world_free(hc_world *world) {
-  hc_movers_free(&world->moving);
-  hc_halo_free(&world->halo);
-  hc_halo_free(&world->boundary_halo);
+  for (int k = HC_STORE_COUNT - 1; k >= 0; k--) { /* the tail before its head */
+    hc_store *store = &world->stores[k];
+    hc_halo_free(&store->halo);
+    hc_cells_free(&store->cells);
+    hc_neighbors_free(&store->wetted);
+    hc_particles_free(&store->particles);
+  }
   hc_neighbors_free(&world->list);
   hc_neighbors_free(&world->walls);
-  hc_neighbors_free(&world->wetted);
   hc_free(world->contacts);
   hc_neighbor_search_free(&world->search);
-  hc_cells_free(&world->cells);
-  hc_cells_free(&world->boundary_cells);
-  hc_particles_free(&world->fluid);
-  hc_particles_free(&world->boundary);
   hc_domain_free(&world->domain);
 }
 
-/* Sorts a store's own particles and gives it its ghosts. */
-static void sort_and_halo(hc_world *world, hc_particles *particles, hc_cells *cells, hc_halo *halo) {
+/* Sends a store's own particles to their owners, sorts them and gives them their ghosts. */
+static void place_store(hc_world *world, hc_store *store) {
+  hc_stopwatch_enter(&world->watch, HC_STAGE_MIGRATE);
+  hc_domain_migrate(&world->domain, &store->particles);
   hc_stopwatch_enter(&world->watch, HC_STAGE_SORT);
-  hc_cells_bin(cells, particles);
-  hc_halo_mark(halo, cells);
-  hc_cells_order(cells, particles);
+  hc_cells_bin(&store->cells, &store->particles);
+  hc_halo_mark(&store->halo, &store->cells);
+  hc_cells_order(&store->cells, &store->particles);
   hc_stopwatch_enter(&world->watch, HC_STAGE_HALO);
-  hc_halo_build(halo, cells);
+  hc_halo_build(&store->halo, &store->cells);
+  store->moved = false;
 }
 
-/* Which wall each boundary particle, own or ghost, belongs to. */
-static void number_walls(hc_world *world) {
-  hc_particles *boundary = &world->boundary;
-  for (int32_t k = 0; k < boundary->own; k++)
-    boundary->place[k].scalar = (float)hc_id_source_of(boundary->id[k]);
-  hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
-  for (int32_t k = 0; k < boundary->own + boundary->ghosts; k++)
-    boundary->wall[k] = boundary->place[k].scalar;
-}
-
-/* What sweeps read of a wall's particles besides their place; none has a pressure yet. */
-static void face(hc_particles *boundary) {
+/* What sweeps read of own boundary particles besides their places: volumes, which are state, velocities with
+ * the wall's number, normals; no pressure yet. */
+static void pack_boundary(hc_particles *boundary) {
   for (int32_t k = 0; k < boundary->own; k++) {
-    memcpy(boundary->facing[k].v, &boundary->normal[3 * (size_t)k], sizeof boundary->facing[k].v);
-    boundary->facing[k].scalar = 0.0f;
+    const size_t at = 3 * (size_t)k;
+    boundary->place[k].scalar = boundary->volume[k];
     boundary->pressure[k] = 0.0f;
+    hc_record *motion = &boundary->motion[k];
+    *motion = (hc_record){.v = {0.0f, 0.0f, 0.0f}, .scalar = (float)hc_id_source_of(boundary->id[k])};
+    if (boundary->wall_velocity) memcpy(motion->v, &boundary->wall_velocity[at], sizeof motion->v);
+    if (!boundary->facing) continue;
+    memcpy(boundary->facing[k].v, &boundary->normal[at], sizeof boundary->facing[k].v);
+    boundary->facing[k].scalar = 0.0f;
   }
 }
 
-/* Gives boundary particles that have come to new places their cells, ghosts and numbers, and what sweeps read
- * of them: volumes, which are state, normals and velocities. */
+static void place_walls(hc_world *world, hc_store_id id) {
+  hc_store *store = &world->stores[id];
+  place_store(world, store);
+  pack_boundary(&store->particles);
+  hc_field_set fields = HC_SCALAR(place) | HC_WHOLE(motion);
+  if (store->particles.facing) fields |= HC_WHOLE(facing);
+  hc_halo_refresh(&store->halo, fields);
+}
+
+/* Walls that stand still, and those that move behind them. */
 static void place_boundary(hc_world *world) {
-  hc_particles *boundary = &world->boundary;
-  hc_stopwatch_enter(&world->watch, HC_STAGE_MIGRATE);
-  hc_domain_migrate(&world->domain, boundary);
-  sort_and_halo(world, boundary, &world->boundary_cells, &world->boundary_halo);
-  number_walls(world);
-  face(boundary);
-  for (int32_t k = 0; k < boundary->own; k++) boundary->place[k].scalar = boundary->volume[k];
-  hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
-  hc_movers_drive(&world->moving, &world->frame, boundary);
-  hc_halo_refresh(&world->boundary_halo, HC_HALO_MOTION);
-  hc_halo_refresh(&world->boundary_halo, HC_HALO_FACING);
-  world->walls_moved = false;
+  place_walls(world, HC_STORE_BOUNDARY);
+  place_walls(world, HC_STORE_MOVING);
+}
+
+/* Leaves in a list of samples into themselves only neighbours of the same wall. */
+static void keep_own_wall(const hc_particles *walls, hc_neighbors *list) {
+  for (int32_t i = 0; i < walls->own; i++) {
+    uint32_t *row = list->offset + (size_t)list->start[i] * HC_LIST_GROUP;
+    uint16_t kept = 0;
+    for (uint16_t k = 0; k < list->count[i]; k++)
+      if (walls->motion[row[k] / sizeof(hc_record)].scalar == walls->motion[i].scalar) row[kept++] = row[k];
+    for (uint32_t k = kept; k < (list->start[i + 1] - list->start[i]) * HC_LIST_GROUP; k++)
+      row[k] = (uint32_t)((size_t)i * sizeof(hc_record));
+    list->pairs -= list->count[i] - kept;
+    list->count[i] = kept;
+  }
 }
 
 /* Boundary volumes, from the cells and ghosts as they are. */
-static void measure_boundary(hc_world *world) {
+static void measure_boundary(hc_world *world, hc_store_id id) {
+  hc_store *store = &world->stores[id];
+  hc_particles *walls = &store->particles;
   hc_neighbors list;
   hc_neighbors_init(&list);
-  hc_neighbors_build(&list, &world->search, &world->boundary_cells, &world->boundary, &world->boundary_cells,
-                     &world->boundary);
-  hc_movers_part(&world->moving, &world->boundary, &list);
-  world->boundary_ops->prepare(world->sweeps, &world->sweep, &world->boundary, &list, world->volume_factor);
+  hc_neighbors_build(&list, &world->search, &store->cells, walls, hc_select_all(walls),
+                     &(hc_neighbor_source){&store->cells, walls}, 1);
+  if (id == HC_STORE_MOVING) keep_own_wall(walls, &list);
+  world->boundary_ops->prepare(world->sweeps, &world->sweep, walls, &list, world->volume_factor);
   hc_neighbors_free(&list);
-  hc_halo_refresh(&world->boundary_halo, HC_HALO_PLACE_SCALAR);
-}
-
-void hc_world_pose_walls(hc_world *world, double time, double ahead, bool held) {
-  if (!hc_movers_pose(&world->moving, world->comm, time, ahead, held)) return;
-  hc_movers_place(&world->moving, &world->frame, &world->boundary);
-  world->sweep.walls_move = world->moving.moving;
-  world->walls_moved = true;
+  hc_halo_refresh(&store->halo, HC_SCALAR(place));
 }
 
 void hc_world_rebalance(hc_world *world, hc_divider divider, double busy) {
   hc_stopwatch_enter(&world->watch, HC_STAGE_BALANCE);
-  hc_work work = {.fluid = &world->fluid, .boundary = &world->boundary, .busy = busy};
-  if (world->listed == world->fluid.own) {
+  hc_work work = {.fluid = world->fluid, .boundary = world->boundary, .moving = world->moving, .busy = busy};
+  if (world->listed.end == world->fluid->own && !world->listed.index) {
     work.neighbors = world->list.count;
     work.walls = world->walls.count;
   }
   hc_domain_balance(&world->domain, divider, &work, &world->division);
-  world->listed = -1;
-  hc_domain_migrate(&world->domain, &world->fluid);
+  world->listed = hc_select_range(0, -1);
+  hc_domain_migrate(&world->domain, world->fluid);
   place_boundary(world);
 }
 
 void hc_world_distribute(hc_world *world, hc_divider divider) {
-  int64_t totals[2] = {world->fluid.own, world->boundary.own};
+  int64_t totals[2] = {world->fluid->own, world->boundary->own + world->moving->own};
   hc_comm_sum_i64(world->comm, totals, 2);
   world->fluid_total = totals[0];
   world->boundary_total = totals[1];
+  world->listed = hc_select_range(0, -1);
   hc_world_rebalance(world, divider, 0.0);
 }
 
 void hc_world_start(hc_world *world, hc_divider divider) {
   hc_world_distribute(world, divider);
-  measure_boundary(world);
+  measure_boundary(world, HC_STORE_BOUNDARY);
+  measure_boundary(world, HC_STORE_MOVING);
 }
 
-static void refresh_motion(hc_particles *fluid) {
+void hc_world_place(hc_world *world) {
+  hc_particles *fluid = world->fluid;
+  if (world->stores[HC_STORE_BOUNDARY].moved)
+    place_boundary(world);
+  else if (world->stores[HC_STORE_MOVING].moved)
+    place_walls(world, HC_STORE_MOVING);
+  place_store(world, &world->stores[HC_STORE_FLUID]);
   for (int32_t k = 0; k < fluid->own; k++) {
     for (int axis = 0; axis < 3; axis++)
       fluid->motion[k].v[axis] = (float)fluid->velocity[3 * (size_t)k + axis];
@@ -153,23 +176,29 @@ static void refresh_motion(hc_particles *fluid) {
   }
 }
 
-void hc_world_update(hc_world *world) {
-  if (world->walls_moved) place_boundary(world);
-  hc_stopwatch_enter(&world->watch, HC_STAGE_MIGRATE);
-  hc_domain_migrate(&world->domain, &world->fluid);
-  sort_and_halo(world, &world->fluid, &world->cells, &world->halo);
+void hc_world_list(hc_world *world, const hc_selection *selection) {
+  const hc_selection selected = selection ? *selection : hc_select_all(world->fluid);
+  hc_store *stores = world->stores, *fluid = &stores[HC_STORE_FLUID];
+  hc_neighbor_source sources[HC_STORE_COUNT];
+  for (int k = 0; k < HC_STORE_COUNT; k++)
+    sources[k] = (hc_neighbor_source){&stores[k].cells, &stores[k].particles};
   hc_stopwatch_enter(&world->watch, HC_STAGE_LISTS);
-  refresh_motion(&world->fluid);
-  hc_halo_begin(&world->halo, HC_HALO_MOTION);
-  hc_neighbors_build(&world->list, &world->search, &world->cells, &world->fluid, &world->cells,
-                     &world->fluid);
-  hc_neighbors_build(&world->walls, &world->search, &world->cells, &world->fluid, &world->boundary_cells,
-                     &world->boundary);
-  if (world->boundary_ops->walls == HC_WALLS_PRESSURE)
-    hc_neighbors_build(&world->wetted, &world->search, &world->boundary_cells, &world->boundary,
-                       &world->cells, &world->fluid);
-  world->listed = world->fluid.own;
-  hc_halo_end(&world->halo);
+  hc_halo_begin(&fluid->halo, HC_WHOLE(motion));
+  hc_neighbors_build(&world->list, &world->search, &fluid->cells, world->fluid, selected,
+                     &sources[HC_STORE_FLUID], 1);
+  hc_neighbors_build(&world->walls, &world->search, &fluid->cells, world->fluid, selected,
+                     &sources[HC_STORE_BOUNDARY], 2);
+  for (int k = HC_STORE_BOUNDARY; k <= HC_STORE_MOVING && world->boundary_ops->walls == HC_WALLS_PRESSURE;
+       k++)
+    hc_neighbors_build(&stores[k].wetted, &world->search, &stores[k].cells, &stores[k].particles,
+                       hc_select_all(&stores[k].particles), &sources[HC_STORE_FLUID], 1);
+  world->listed = selected;
+  hc_halo_end(&fluid->halo);
+}
+
+void hc_world_update(hc_world *world) {
+  hc_world_place(world);
+  hc_world_list(world, NULL);
 }
 
 static bool near_fluid(const hc_cells *fluid, const int32_t adjacent[HC_ADJACENT], int cell) {
@@ -181,8 +210,7 @@ static bool near_fluid(const hc_cells *fluid, const int32_t adjacent[HC_ADJACENT
   return false;
 }
 
-double hc_world_active_boundary(hc_world *world) {
-  const hc_cells *walls = &world->boundary_cells;
+static int64_t count_active(const hc_cells *fluid, const hc_cells *walls) {
   int64_t active = 0;
   int32_t brick = -1, adjacent[HC_ADJACENT];
   bool any = false;
@@ -190,11 +218,18 @@ double hc_world_active_boundary(hc_world *world) {
     const int32_t slot = walls->own_cells[k];
     if (slot / HC_BRICK_CELLS != brick) {
       brick = slot / HC_BRICK_CELLS;
-      any = hc_cells_around(&world->cells, walls->bricks.bricks[brick], adjacent);
+      any = hc_cells_around(fluid, walls->bricks.bricks[brick], adjacent);
     }
     const int cell = slot % HC_BRICK_CELLS;
-    if (any && near_fluid(&world->cells, adjacent, cell)) active += walls->count[brick][cell];
+    if (any && near_fluid(fluid, adjacent, cell)) active += walls->count[brick][cell];
   }
+  return active;
+}
+
+double hc_world_active_boundary(hc_world *world) {
+  const hc_cells *fluid = &world->stores[HC_STORE_FLUID].cells;
+  int64_t active = count_active(fluid, &world->stores[HC_STORE_BOUNDARY].cells) +
+                   count_active(fluid, &world->stores[HC_STORE_MOVING].cells);
   hc_comm_sum_i64(world->comm, &active, 1);
   return world->boundary_total > 0 ? (double)active / (double)world->boundary_total : 0.0;
 }

@@ -69,7 +69,7 @@ static inline void do_steps(hc_simulation *simulation, int count) {
 }
 
 static inline int64_t fluid_in(const hc_simulation *simulation) {
-  int64_t count = simulation->world.fluid.own;
+  int64_t count = simulation->world.fluid->own;
   hc_comm_sum_i64(simulation->comm, &count, 1);
   return count;
 }

@@ -24,14 +24,14 @@ typedef enum break_what { VELOCITY, INFINITE_VELOCITY, MULTIPLIER, DIVERGENCE, D
 static uint64_t broken_id;
 static const hc_sweeps *good_sweeps;
 
-static void broken_density(const hc_sweep *sweep, int32_t begin, int32_t end) {
-  good_sweeps->density(sweep, begin, end);
-  for (int32_t k = begin; k < end; k++)
+static void broken_density(const hc_sweep *sweep, hc_selection selection) {
+  good_sweeps->density(sweep, selection);
+  for (int32_t k = selection.begin; k < selection.end; k++)
     if (sweep->fluid->id[k] == broken_id) sweep->fluid->density[k] = NAN;
 }
 
 static void break_particle(hc_simulation *simulation, break_what what, uint64_t id, hc_sweeps *sweeps) {
-  hc_particles *fluid = &simulation->world.fluid;
+  hc_particles *fluid = simulation->world.fluid;
   if (what == DENSITY) {
     broken_id = id;
     good_sweeps = simulation->world.sweeps;
@@ -113,10 +113,9 @@ START_TEST(a_particle_too_fast_for_its_neighborhood) {
 END_TEST
 
 /* What the solver itself makes: the end of the step finds it, too. */
-static void broken_pressure(const hc_sweep *sweep, float weight, float *multiplier, int32_t begin,
-                            int32_t end) {
-  good_sweeps->pressure(sweep, weight, multiplier, begin, end);
-  for (int32_t k = begin; k < end; k++)
+static void broken_pressure(const hc_sweep *sweep, float weight, float *multiplier, hc_selection selection) {
+  good_sweeps->pressure(sweep, weight, multiplier, selection);
+  for (int32_t k = selection.begin; k < selection.end; k++)
     if (sweep->fluid->id[k] == broken_id) {
       sweep->fluid->velocity[3 * k] = 1e3;
       sweep->fluid->motion[k].v[0] = 0.0f; /* so that no error sweep sees it */
@@ -196,14 +195,15 @@ START_TEST(particles_that_leave_are_removed) {
   int64_t removed = 0;
   for (int k = 0; k < 2000 && removed < PARTICLES; k++) {
     if (hc_simulation_step(&simulation, &error) != HC_OK) ck_abort_msg("%s", error.text);
-    removed += simulation.departures.count;
-    int64_t left = simulation.world.fluid.own;
+    removed += simulation.population.departures.count;
+    int64_t left = simulation.world.fluid->own;
     hc_comm_sum_i64(&comm, &left, 1);
     ck_assert_int_eq(left, simulation.world.fluid_total);
     ck_assert_int_eq(left + removed, PARTICLES);
-    for (int d = 0; d < simulation.departures.named; d++)
-      ck_assert(simulation.departures.count == 0 ||
-                fmax(simulation.departures.first[d].at[0], -simulation.departures.first[d].at[2]) > 0.1);
+    for (int d = 0; d < simulation.population.departures.named; d++)
+      ck_assert(simulation.population.departures.count == 0 ||
+                fmax(simulation.population.departures.first[d].at[0],
+                     -simulation.population.departures.first[d].at[2]) > 0.1);
   }
   ck_assert_int_gt(removed, PARTICLES / 2);
   hc_simulation_free(&simulation);

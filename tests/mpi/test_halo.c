@@ -59,9 +59,9 @@ static void world_init(world *w, const region *region, unsigned kind) {
     w->frame.period[axis] = region->periodic[axis] ? region->cells[axis] * HC_CELL_UNITS : 0;
   }
   hc_domain_init(&w->domain, &comm, &w->frame);
-  hc_particles_init(&w->particles, kind);
+  hc_particles_init(&w->particles, kind, HC_FOR_ALL);
   hc_cells_init(&w->cells);
-  hc_halo_init(&w->halo, &w->domain, &w->particles);
+  hc_halo_init(&w->halo, &w->domain, &w->particles, 0);
   hc_neighbors_init(&w->list);
   hc_neighbor_search_init(&w->search, hc_isa_best());
 }
@@ -130,8 +130,9 @@ static void build(world *w) {
   hc_cells_order(&w->cells, &w->particles);
   hc_halo_build(&w->halo, &w->cells);
   for (int32_t k = 0; k < w->particles.own; k++) w->particles.place[k].scalar = (float)w->particles.id[k];
-  hc_halo_refresh(&w->halo, HC_HALO_PLACE_SCALAR); /* from here on a ghost's id is known */
-  hc_neighbors_build(&w->list, &w->search, &w->cells, &w->particles, &w->cells, &w->particles);
+  hc_halo_refresh(&w->halo, HC_SCALAR(place)); /* from here on a ghost's id is known */
+  hc_neighbors_build(&w->list, &w->search, &w->cells, &w->particles, hc_select_all(&w->particles),
+                     &(hc_neighbor_source){&w->cells, &w->particles}, 1);
   share_knowledge(w);
 }
 
@@ -395,12 +396,12 @@ START_TEST(refreshes_bring_the_owners_values) {
 
     set_motion(p, 0, own, 1);
     spoil_ghosts(p);
-    hc_halo_refresh(&w.halo, HC_HALO_MOTION);
+    hc_halo_refresh(&w.halo, HC_WHOLE(motion));
     for (int32_t k = 0; k < all; k++) good &= record_is(&p->motion[k], id[k], 1);
     EXPECT(good);
 
     for (int32_t k = 0; k < own; k++) p->place[k].scalar = value_of(id[k], 3, 3);
-    hc_halo_refresh(&w.halo, HC_HALO_PLACE_SCALAR);
+    hc_halo_refresh(&w.halo, HC_SCALAR(place));
     for (int32_t k = 0; k < all; k++) {
       good &= p->place[k].scalar == value_of(id[k], 3, 3);
       good &= memcmp(p->place[k].x, places[k].x, sizeof places[k].x) == 0;
@@ -410,7 +411,7 @@ START_TEST(refreshes_bring_the_owners_values) {
     /* Interior values may change under way. */
     set_motion(p, 0, p->border, 4);
     spoil_ghosts(p);
-    hc_halo_begin(&w.halo, HC_HALO_MOTION);
+    hc_halo_begin(&w.halo, HC_WHOLE(motion));
     set_motion(p, p->border, own, 4);
     hc_halo_end(&w.halo);
     for (int32_t k = 0; k < all; k++) good &= record_is(&p->motion[k], id[k], 4);
@@ -434,14 +435,14 @@ START_TEST(refreshes_keep_their_order) {
   for (int32_t k = 0; k < p->ghosts; k++) id[k] = id_of(&w, p->own + k);
   bool good = true;
   for (int round = 0; round < 60; round++) {
-    const hc_halo_field field = (hc_halo_field)(mix((uint64_t)round) % 2);
+    const hc_field_set field = mix((uint64_t)round) % 2 ? HC_WHOLE(motion) : HC_SCALAR(place);
     set_motion(p, 0, p->own, round);
     for (int32_t k = 0; k < p->own; k++) p->place[k].scalar = value_of(p->id[k], round, 3);
     hc_halo_refresh(&w.halo, field);
     for (int32_t k = 0; k < p->ghosts; k++) {
       const hc_record *motion = &p->motion[p->own + k];
-      if (field == HC_HALO_PLACE_SCALAR) good &= p->place[p->own + k].scalar == value_of(id[k], round, 3);
-      if (field == HC_HALO_MOTION) good &= record_is(motion, id[k], round);
+      if (field == HC_SCALAR(place)) good &= p->place[p->own + k].scalar == value_of(id[k], round, 3);
+      if (field == HC_WHOLE(motion)) good &= record_is(motion, id[k], round);
     }
   }
   EXPECT(good);

@@ -77,11 +77,12 @@ END_TEST
 
 /* The sum of all boundary volumes of a wall. */
 static double volume_of(const hc_simulation *simulation, int number) {
-  const hc_particles *boundary = &simulation->world.boundary;
+  const hc_particles *const stores[] = {simulation->world.boundary, simulation->world.moving};
   hc_sum sum;
   memset(&sum, 0, sizeof sum);
-  for (int32_t k = 0; k < boundary->own; k++)
-    if (hc_id_source_of(boundary->id[k]) == number) hc_sum_add(&sum, (double)boundary->volume[k]);
+  for (int s = 0; s < 2; s++)
+    for (int32_t k = 0; k < stores[s]->own; k++)
+      if (hc_id_source_of(stores[s]->id[k]) == number) hc_sum_add(&sum, (double)stores[s]->volume[k]);
   hc_comm_sum_exact(&comm, &sum, 1);
   return hc_sum_value(&sum);
 }
@@ -116,24 +117,23 @@ START_TEST(a_wall_s_samples_move_with_it) {
   hc_simulation simulation;
   start(&simulation, &scene);
   do_steps(&simulation, 15);
-  const hc_pose pose = hc_motion_pose(&simulation.motions.walls[0].motion, simulation.time);
+  const hc_pose pose = hc_motion_pose(&simulation.movers.walls[0].motion, simulation.time);
   ck_assert_double_gt(fabs(pose.shift[0]), 0.005);
-  const hc_particles *boundary = &simulation.world.boundary;
+  const hc_particles *boundary = simulation.world.moving;
   const hc_frame *frame = &simulation.world.frame;
   bool good = true;
-  int64_t found = 0;
+  int64_t found = boundary->own;
   for (int32_t k = 0; k < boundary->own; k++) {
-    const bool moves = hc_id_source_of(boundary->id[k]) == 1;
+    good &= hc_id_source_of(boundary->id[k]) == 1;
     double arm[3];
     for (int a = 0; a < 3; a++)
       arm[a] = hc_frame_to_metres(frame, a, boundary->reference[3 * k + a]) - walls[1].motion.center[a];
     for (int a = 0; a < 3; a++) {
       double x = hc_frame_to_metres(frame, a, boundary->reference[3 * k + a]);
-      for (int b = 0; moves && b < 3; b++) x += pose.turn[a][b] * arm[b];
-      if (moves) x += pose.shift[a];
+      for (int b = 0; b < 3; b++) x += pose.turn[a][b] * arm[b];
+      x += pose.shift[a];
       good &= fabs(hc_frame_to_metres(frame, a, boundary->position[3 * k + a]) - x) < 1e-9;
     }
-    found += moves;
   }
   EXPECT(good);
   hc_comm_sum_i64(&comm, &found, 1);
@@ -152,7 +152,7 @@ START_TEST(a_full_place_takes_nothing) {
   start(&simulation, &scene);
   const int64_t before = simulation.world.fluid_total;
   do_steps(&simulation, 30);
-  const hc_emitter *counts = &simulation.emitters.emitters[0];
+  const hc_emitter *counts = &simulation.population.emitters.emitters[0];
   ck_assert_int_eq(counts->emitted, 0);
   ck_assert_int_ge(counts->layers, 2);
   ck_assert_int_eq(counts->blocked, counts->layers * 12);
@@ -188,7 +188,7 @@ START_TEST(an_emitter_keeps_time_and_its_limit) {
                   "%lld at %g s, expected %g", (long long)simulation.world.fluid_total - 8, time, expected);
   }
   ck_assert_int_eq(fluid_in(&simulation), 108);
-  const hc_particles *fluid = &simulation.world.fluid;
+  const hc_particles *fluid = simulation.world.fluid;
   bool good = true;
   for (int32_t k = 0; k < fluid->own; k++) {
     if (hc_id_source_of(fluid->id[k]) == 0) continue;

@@ -34,8 +34,8 @@ static void setup(void) {
   strcpy(directory, "/tmp/halocline_snapshot_XXXXXX");
   if (comm.rank == 0) ck_assert_ptr_nonnull(mkdtemp(directory));
   hc_comm_broadcast(&comm, directory, sizeof directory, 0);
-  hc_particles_init(&fluid, HC_FLUID);
-  hc_particles_init(&boundary, HC_BOUNDARY);
+  hc_particles_init(&fluid, HC_FLUID, HC_FOR_ALL);
+  hc_particles_init(&boundary, HC_BOUNDARY, HC_FOR_ALL);
   memset(&scene, 0, sizeof scene);
   strcpy(scene.name, "tank");
   scene.particle_spacing = 0.02;
@@ -106,7 +106,7 @@ static void share(hc_particles *particles, hc_id_kind kind, int64_t count, owner
 }
 
 static hc_status write_snapshot(int number, hc_error *error) {
-  const hc_moment moment = {&frame, &fluid, &boundary, 42, 0.125, 1.0 / 1024, 0.5};
+  const hc_moment moment = {&frame, &fluid, &boundary, 42, 0.125, 1.0 / 1024, 0.5, NULL};
   error->status = HC_OK;
   error->text[0] = 0;
   return hc_snapshot_write(&comm, &scene, &moment, directory, number, error);
@@ -329,9 +329,10 @@ END_TEST
 START_TEST(a_fault_has_a_snapshot_of_its_own) {
   share(&fluid, HC_ID_FLUID, 500, owner_scattered);
   for (int32_t k = 0; k < fluid.own; k++) fluid.density[k] = NAN;
-  const hc_moment moment = {&frame, &fluid, &boundary, 42, 0.125, 1.0 / 1024, 0.5};
+  const hc_moment moment = {&frame, &fluid, &boundary, 42, 0.125, 1.0 / 1024, 0.5, NULL};
   hc_error error = {.status = HC_OK};
-  ck_assert_msg(hc_snapshot_write_fault(&comm, &scene, &moment, directory, &error) == HC_OK, "%s", error.text);
+  ck_assert_msg(hc_snapshot_write_fault(&comm, &scene, &moment, directory, &error) == HC_OK, "%s",
+                error.text);
   hc_comm_barrier(&comm);
   char path[128];
   snprintf(path, sizeof path, "%s/snapshots/run.hdf.series", directory);

@@ -68,7 +68,7 @@ START_TEST(particles_that_left_come_back_too) {
   const uint64_t before = state_of(&simulation);
   hc_state_history history = {.count = 0};
   hc_state_history_push(&history, &simulation.state, HC_FLUID);
-  hc_particles *fluid = &simulation.world.fluid;
+  hc_particles *fluid = simulation.world.fluid;
   for (int32_t k = 0; k < fluid->own; k++) /* every seventh is far away */
     if (fluid->id[k] % 7 == 0) fluid->position[3 * k + 2] -= 1000 * HC_CELL_UNITS;
   do_steps(&simulation, 1);
@@ -101,8 +101,8 @@ START_TEST(a_checkpoint_is_the_state) {
   do_steps(&simulation, 12);
   const uint64_t before = state_of(&simulation);
   const hc_moment moment = hc_simulation_moment(&simulation);
-  ck_assert_msg(hc_checkpoint_write(&comm, simulation.scene, &moment, &simulation.state, "test", folder, 2, &bytes, &error) ==
-                    HC_OK,
+  ck_assert_msg(hc_checkpoint_write(&comm, simulation.scene, &moment, &simulation.state, "test", folder, 2,
+                                    &bytes, &error) == HC_OK,
                 "%s", error.text);
   EXPECT(state_of(&simulation) == before); /* writing changes nothing */
   do_steps(&simulation, 5);

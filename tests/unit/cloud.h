@@ -40,8 +40,8 @@ static void setting_init(setting *s, double stretch_y) {
   s->frame.support_radius = H;
   for (int axis = 0; axis < 3; axis++)
     s->frame.unit[axis] = H / (double)HC_CELL_UNITS * (axis == 1 ? stretch_y : 1.0);
-  hc_particles_init(&s->fluid, HC_FLUID);
-  hc_particles_init(&s->boundary, HC_BOUNDARY);
+  hc_particles_init(&s->fluid, HC_FLUID, HC_FOR_ALL);
+  hc_particles_init(&s->boundary, HC_BOUNDARY, HC_FOR_ALL);
   hc_cells_init(&s->cells);
   hc_cells_init(&s->boundary_cells);
   hc_neighbors_init(&s->list);
@@ -54,7 +54,6 @@ static void setting_init(setting *s, double stretch_y) {
   s->sweep.boundary = &s->boundary;
   s->sweep.list = &s->list;
   s->sweep.walls = &s->walls;
-  s->sweep.wetted = &s->wetted;
 }
 
 static void setting_free(setting *s) {
@@ -80,11 +79,14 @@ static void settle(setting *s) {
   hc_particles_set_ghosts(&s->boundary, 0);
   hc_neighbor_search search;
   hc_neighbor_search_init(&search, HC_ISA_PORTABLE);
-  hc_neighbors_build(&s->list, &search, &s->cells, &s->fluid, &s->cells, &s->fluid);
-  hc_neighbors_build(&s->walls, &search, &s->cells, &s->fluid, &s->boundary_cells, &s->boundary);
-  hc_neighbors_build(&s->wetted, &search, &s->boundary_cells, &s->boundary, &s->cells, &s->fluid);
-  hc_neighbors_build(&s->boundary_list, &search, &s->boundary_cells, &s->boundary, &s->boundary_cells,
-                     &s->boundary);
+  hc_neighbors_build(&s->list, &search, &s->cells, &s->fluid, hc_select_all(&s->fluid),
+                     &(hc_neighbor_source){&s->cells, &s->fluid}, 1);
+  hc_neighbors_build(&s->walls, &search, &s->cells, &s->fluid, hc_select_all(&s->fluid),
+                     &(hc_neighbor_source){&s->boundary_cells, &s->boundary}, 1);
+  hc_neighbors_build(&s->wetted, &search, &s->boundary_cells, &s->boundary, hc_select_all(&s->boundary),
+                     &(hc_neighbor_source){&s->cells, &s->fluid}, 1);
+  hc_neighbors_build(&s->boundary_list, &search, &s->boundary_cells, &s->boundary,
+                     hc_select_all(&s->boundary), &(hc_neighbor_source){&s->boundary_cells, &s->boundary}, 1);
   hc_neighbor_search_free(&search);
 }
 

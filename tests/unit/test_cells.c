@@ -140,8 +140,8 @@ START_TEST(order_is_canonical) {
   hc_cells cells;
   hc_particles particles, first;
   hc_cells_init(&cells);
-  hc_particles_init(&particles, HC_FLUID);
-  hc_particles_init(&first, HC_FLUID);
+  hc_particles_init(&particles, HC_FLUID, HC_FOR_ALL);
+  hc_particles_init(&first, HC_FLUID, HC_FOR_ALL);
   for (int with_border = 0; with_border < 2; with_border++) {
     const int32_t strides[] = {1, 17, 2000, COUNT - 1};
     for (int s = 0; s < 4; s++) {
@@ -165,7 +165,7 @@ START_TEST(crowded_cells_are_in_order_of_ids) {
   hc_cells cells;
   hc_particles particles;
   hc_cells_init(&cells);
-  hc_particles_init(&particles, HC_FLUID);
+  hc_particles_init(&particles, HC_FLUID, HC_FOR_ALL);
   hc_particles_resize(&particles, 700);
   for (int k = 0; k < 700; k++) {
     particles.id[k] = (uint64_t)(700 - k) << 40;
@@ -185,7 +185,7 @@ START_TEST(binning_starts_afresh) {
   hc_cells cells;
   hc_particles particles;
   hc_cells_init(&cells);
-  hc_particles_init(&particles, HC_FLUID);
+  hc_particles_init(&particles, HC_FLUID, HC_FOR_ALL);
   for (int round = 0; round < 3; round++) {
     make_cloud(&particles, 500, 3 + 20 * round, 0, 1);
     hc_cells_bin(&cells, &particles);
@@ -274,7 +274,7 @@ START_TEST(distance_costs_no_memory) {
   hc_cells cells;
   hc_particles particles;
   hc_cells_init(&cells);
-  hc_particles_init(&particles, HC_FLUID);
+  hc_particles_init(&particles, HC_FLUID, HC_FOR_ALL);
   hc_particles_resize(&particles, 8);
   const size_t before = hc_memory_now();
   for (int k = 0; k < 8; k++) {

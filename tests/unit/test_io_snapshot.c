@@ -34,7 +34,7 @@ static int remove_one(const char *path, const struct stat *facts, int type, stru
 }
 
 static void fill(hc_particles *particles, hc_id_kind kind, int32_t count) {
-  hc_particles_init(particles, kind == HC_ID_FLUID ? HC_FLUID : HC_BOUNDARY);
+  hc_particles_init(particles, kind == HC_ID_FLUID ? HC_FLUID : HC_BOUNDARY, HC_FOR_ALL);
   hc_particles_resize(particles, count);
   for (int32_t k = 0; k < count; k++) {
     particles->id[k] = hc_id_make(kind, 1, (uint64_t)k);
@@ -80,8 +80,9 @@ static const char *path_of(int number) {
 }
 
 static void write_snapshot(int number) {
-  const hc_moment moment = {&frame, &fluid, &boundary, step, now, 1e-3, 0.5};
-  ck_assert_msg(hc_snapshot_write(&comm, &scene, &moment, directory, number, &error) == HC_OK, "%s", error.text);
+  const hc_moment moment = {&frame, &fluid, &boundary, step, now, 1e-3, 0.5, NULL};
+  ck_assert_msg(hc_snapshot_write(&comm, &scene, &moment, directory, number, &error) == HC_OK, "%s",
+                error.text);
 }
 
 static void swap(hc_particles *particles) {

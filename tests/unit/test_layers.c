@@ -203,11 +203,12 @@ START_TEST(particles_have_normals) {
     ck_assert_int_eq(hc_setup_frame(&scene, &frame, NULL), HC_OK);
     ck_assert_int_eq(hc_setup_plan_make(&scene, &frame, &plan, NULL), HC_OK);
     counts[layers] = plan.boundary_count;
-    hc_particles fluid, boundary;
-    hc_particles_init(&fluid, HC_FLUID);
-    hc_particles_init(&boundary, HC_BOUNDARY);
+    hc_particles fluid, boundary, moving;
+    hc_particles_init(&moving, HC_BOUNDARY | HC_MOVED, HC_FOR_ALL);
+    hc_particles_init(&fluid, HC_FLUID, HC_FOR_ALL);
+    hc_particles_init(&boundary, HC_BOUNDARY, HC_FOR_ALL);
     for (int rank = 0; rank < 3; rank++) {
-      ck_assert_int_eq(hc_setup_generate(&plan, rank, 3, &fluid, &boundary, NULL), HC_OK);
+      ck_assert_int_eq(hc_setup_generate(&plan, rank, 3, &fluid, &boundary, &moving, NULL), HC_OK);
       for (int64_t i = 0; i < boundary.own; i++) {
         const float *const n = &boundary.normal[3 * i];
         const bool sphere = hc_id_source_of(boundary.id[i]) == 1;
@@ -222,6 +223,7 @@ START_TEST(particles_have_normals) {
     }
     hc_particles_free(&fluid);
     hc_particles_free(&boundary);
+    hc_particles_free(&moving);
     hc_setup_plan_free(&plan);
   }
   ck_assert_int_eq(counts[0], counts[1]);

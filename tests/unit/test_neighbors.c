@@ -22,7 +22,7 @@ typedef struct set {
 } set;
 
 static void set_init(set *set, unsigned kind) {
-  hc_particles_init(&set->particles, kind);
+  hc_particles_init(&set->particles, kind, HC_FOR_ALL);
   hc_cells_init(&set->cells);
 }
 
@@ -154,7 +154,8 @@ static void build(hc_neighbors *list, hc_isa isa, const set *target, const set *
   hc_neighbor_search search;
   hc_neighbor_search_init(&search, isa);
   hc_neighbors_init(list);
-  hc_neighbors_build(list, &search, &target->cells, &target->particles, &source->cells, &source->particles);
+  hc_neighbors_build(list, &search, &target->cells, &target->particles, hc_select_all(&target->particles),
+                     &(hc_neighbor_source){&source->cells, &source->particles}, 1);
   hc_neighbor_search_free(&search);
 }
 
@@ -345,7 +346,8 @@ START_TEST(a_list_may_be_built_anew) {
     hc_neighbor_search_init(&search, (hc_isa)isa);
     for (int k = 0; k < 5; k++) {
       scatter(&cloud, (uint64_t)k, counts[k], size, nowhere, nowhere);
-      hc_neighbors_build(&list, &search, &cloud.cells, &cloud.particles, &cloud.cells, &cloud.particles);
+      hc_neighbors_build(&list, &search, &cloud.cells, &cloud.particles, hc_select_all(&cloud.particles),
+                         &(hc_neighbor_source){&cloud.cells, &cloud.particles}, 1);
       check_list(&list, &cloud, &cloud, hc_isa_name((hc_isa)isa));
     }
     hc_neighbors_free(&list);

@@ -7,13 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const unsigned kinds[2] = {HC_FLUID, HC_BOUNDARY};
+enum { KINDS = 3 };
+static const unsigned kinds[KINDS] = {HC_FLUID, HC_BOUNDARY, HC_BOUNDARY | HC_MOVED};
 
 static bool has(unsigned kind, int field) {
   return (hc_fields[field].flags & kind) != 0;
 }
-static bool is_state(unsigned kind, int field) {
-  return has(kind, field) && (hc_fields[field].flags & HC_STATE);
+static bool is_carried(unsigned kind, int field) {
+  return has(kind, field) && (hc_fields[field].flags & HC_CARRIED);
 }
 static bool has_ghosts(unsigned kind, int field) {
   return has(kind, field) && (hc_fields[field].flags & HC_GHOST);
@@ -54,18 +55,18 @@ static void fill_all(hc_particles *particles, int32_t begin, int32_t end) {
       fill(particles, field, k, (uint64_t)k);
 }
 
-static bool state_holds(const hc_particles *particles, int32_t begin, int32_t end) {
+static bool carried_holds(const hc_particles *particles, int32_t begin, int32_t end) {
   bool good = true;
   for (int field = 0; field < HC_FIELD_COUNT; field++)
-    for (int32_t k = begin; k < end && is_state(particles->kind, field); k++)
+    for (int32_t k = begin; k < end && is_carried(particles->kind, field); k++)
       good &= holds(particles, field, k, (uint64_t)k);
   return good;
 }
 
-static bool state_is_zero(const hc_particles *particles, int32_t begin, int32_t end) {
+static bool carried_is_zero(const hc_particles *particles, int32_t begin, int32_t end) {
   bool good = true;
   for (int field = 0; field < HC_FIELD_COUNT; field++)
-    for (int32_t k = begin; k < end && is_state(particles->kind, field); k++)
+    for (int32_t k = begin; k < end && is_carried(particles->kind, field); k++)
       good &= is_zero(particles, field, k);
   return good;
 }
@@ -78,26 +79,32 @@ START_TEST(table_makes_sense) {
     const hc_field_info *info = &hc_fields[field];
     ck_assert(info->name[0] && info->unit[0] && info->sentence[0]);
     ck_assert(info->components >= 1 && info->bytes == (size_t)info->components * sizes[info->type]);
-    ck_assert_msg(info->flags & (HC_FLUID | HC_BOUNDARY), "%s belongs to nobody", info->name);
+    ck_assert_msg(info->flags & (HC_FLUID | HC_BOUNDARY | HC_MOVED), "%s belongs to nobody", info->name);
     ck_assert_msg(!(info->flags & HC_SNAPSHOT) || info->type != HC_TYPE_record, "%s is packed", info->name);
     for (int other = 0; other < field; other++) ck_assert_str_ne(info->name, hc_fields[other].name);
   }
   ck_assert_str_eq(hc_fields[HC_FIELD_position].name, "position");
-  for (int k = 0; k < 2; k++) {
-    ck_assert(is_state(kinds[k], HC_FIELD_position) && is_state(kinds[k], HC_FIELD_id));
+  for (int k = 0; k < KINDS; k++) {
+    ck_assert(is_carried(kinds[k], HC_FIELD_position) && is_carried(kinds[k], HC_FIELD_id));
     ck_assert(has_ghosts(kinds[k], HC_FIELD_place));
-    size_t bytes = 0;
-    for (int field = 0; field < HC_FIELD_COUNT; field++)
-      if (is_state(kinds[k], field)) bytes += hc_fields[field].bytes;
-    ck_assert_uint_eq(hc_particles_state_bytes(kinds[k]), bytes);
+    size_t state = 0, carried = 0;
+    for (int field = 0; field < HC_FIELD_COUNT; field++) {
+      if (is_carried(kinds[k], field)) carried += hc_fields[field].bytes;
+      if (has(kinds[k], field) && hc_field_is_state(&hc_fields[field])) state += hc_fields[field].bytes;
+    }
+    hc_particles particles;
+    hc_particles_init(&particles, kinds[k], HC_FOR_ALL);
+    ck_assert_uint_eq(hc_particles_state_bytes(kinds[k], HC_FOR_ALL), state);
+    ck_assert_uint_eq(hc_particles_block_bytes(&particles), carried);
+    hc_particles_free(&particles);
   }
 }
 END_TEST
 
 START_TEST(a_store_has_the_fields_of_its_kind) {
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < KINDS; k++) {
     hc_particles particles;
-    hc_particles_init(&particles, kinds[k]);
+    hc_particles_init(&particles, kinds[k], HC_FOR_ALL);
     ck_assert(particles.own == 0 && particles.ghosts == 0 && particles.border == 0);
     hc_particles_resize(&particles, 3);
     for (int field = 0; field < HC_FIELD_COUNT; field++)
@@ -114,16 +121,16 @@ END_TEST
 
 START_TEST(resizing_keeps_state_and_zeroes_what_is_new) {
   static const int32_t sizes[] = {0, 1, 100, 101, 5000, 4999, 17, 300, 0, 300, 20000, 19000, 20000};
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < KINDS; k++) {
     hc_particles particles;
-    hc_particles_init(&particles, kinds[k]);
+    hc_particles_init(&particles, kinds[k], HC_FOR_ALL);
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
       const int32_t old = particles.own, now = sizes[s], kept = old < now ? old : now;
       particles.border = old / 2;
       hc_particles_resize(&particles, now);
       ck_assert(particles.own == now && particles.border == 0 && particles.ghosts == 0);
-      ck_assert_msg(state_holds(&particles, 0, kept), "state lost from %d to %d", old, now);
-      ck_assert_msg(state_is_zero(&particles, kept, now), "no zeroes from %d to %d", old, now);
+      ck_assert_msg(carried_holds(&particles, 0, kept), "state lost from %d to %d", old, now);
+      ck_assert_msg(carried_is_zero(&particles, kept, now), "no zeroes from %d to %d", old, now);
       fill_all(&particles, 0, now);
     }
     hc_particles_free(&particles);
@@ -133,9 +140,9 @@ END_TEST
 
 START_TEST(ghosts_leave_own_values_alone) {
   static const int32_t counts[] = {0, 5, 3000, 10, 100000, 0};
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < KINDS; k++) {
     hc_particles particles;
-    hc_particles_init(&particles, kinds[k]);
+    hc_particles_init(&particles, kinds[k], HC_FOR_ALL);
     hc_particles_resize(&particles, 500);
     fill_all(&particles, 0, 500);
     particles.border = 77;
@@ -156,7 +163,7 @@ START_TEST(ghosts_leave_own_values_alone) {
     hc_particles_set_ghosts(&particles, 9);
     hc_particles_resize(&particles, 501);
     ck_assert(particles.ghosts == 0 && particles.border == 0);
-    ck_assert(state_holds(&particles, 0, 500) && state_is_zero(&particles, 500, 501));
+    ck_assert(carried_holds(&particles, 0, 500) && carried_is_zero(&particles, 500, 501));
     hc_particles_free(&particles);
   }
 }
@@ -167,7 +174,7 @@ START_TEST(spare_elements_can_be_read) {
   volatile unsigned char seen = 0;
   for (int32_t own = 0; own < 70; own++) {
     hc_particles particles;
-    hc_particles_init(&particles, HC_FLUID);
+    hc_particles_init(&particles, HC_FLUID, HC_FOR_ALL);
     for (int ghosts = -1; ghosts < 3; ghosts++) {
       if (ghosts < 0)
         hc_particles_resize(&particles, own);
@@ -190,18 +197,18 @@ START_TEST(permuting_moves_all_of_a_particle) {
   enum { COUNT = 997 };
   static int32_t order[COUNT];
   for (int32_t k = 0; k < COUNT; k++) order[k] = (int32_t)((int64_t)(k + 5) * 613 % COUNT);
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < KINDS; k++) {
     static const int32_t taken[] = {COUNT, 400, 0}; /* of which some take a part only */
     for (int t = 0; t < 3; t++) {
       hc_particles particles;
-      hc_particles_init(&particles, kinds[k]);
+      hc_particles_init(&particles, kinds[k], HC_FOR_ALL);
       hc_particles_resize(&particles, COUNT);
       fill_all(&particles, 0, COUNT);
       hc_particles_permute(&particles, order, taken[t]);
       ck_assert_int_eq(particles.own, taken[t]);
       bool good = true;
       for (int field = 0; field < HC_FIELD_COUNT; field++)
-        for (int32_t i = 0; i < taken[t] && is_state(kinds[k], field); i++)
+        for (int32_t i = 0; i < taken[t] && is_carried(kinds[k], field); i++)
           good &= holds(&particles, field, i, (uint64_t)order[i]);
       ck_assert(good);
       hc_particles_free(&particles);
@@ -211,14 +218,14 @@ START_TEST(permuting_moves_all_of_a_particle) {
 END_TEST
 
 START_TEST(packed_particles_come_back_elsewhere) {
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < KINDS; k++) {
     hc_particles from, to;
-    hc_particles_init(&from, kinds[k]);
-    hc_particles_init(&to, kinds[k]);
+    hc_particles_init(&from, kinds[k], HC_FOR_ALL);
+    hc_particles_init(&to, kinds[k], HC_FOR_ALL);
     hc_particles_resize(&from, 50);
     hc_particles_resize(&to, 50);
     fill_all(&from, 0, 50);
-    const size_t bytes = hc_particles_state_bytes(kinds[k]);
+    const size_t bytes = hc_particles_block_bytes(&from);
     unsigned char *block = hc_alloc(bytes + 1, 1);
     for (int32_t i = 0; i < 50; i += 2) {
       block[bytes] = 0xa5;
@@ -228,9 +235,9 @@ START_TEST(packed_particles_come_back_elsewhere) {
     }
     bool good = true;
     for (int field = 0; field < HC_FIELD_COUNT; field++)
-      for (int32_t i = 0; i < 50 && is_state(kinds[k], field); i++)
+      for (int32_t i = 0; i < 50 && is_carried(kinds[k], field); i++)
         good &= i % 2 == 0 ? holds(&to, field, 49 - i, (uint64_t)i) : is_zero(&to, field, 49 - i);
-    ck_assert(good && state_holds(&from, 0, 50));
+    ck_assert(good && carried_holds(&from, 0, 50));
     hc_free(block);
     hc_particles_free(&from);
     hc_particles_free(&to);
@@ -242,11 +249,11 @@ START_TEST(removed_particles_leave_no_gaps) {
   /* here and there; the last; the first */
   static const int32_t gone[][7] = {
       {0, 5, 6, 7, 46, 48, 49}, {43, 44, 45, 46, 47, 48, 49}, {0, 1, 2, 3, 4, 5, 6}};
-  for (int k = 0; k < 2; k++)
+  for (int k = 0; k < KINDS; k++)
     for (int c = 0; c < 3; c++)
       for (int32_t count = 0; count <= 7; count += 7) {
         hc_particles particles;
-        hc_particles_init(&particles, kinds[k]);
+        hc_particles_init(&particles, kinds[k], HC_FOR_ALL);
         hc_particles_resize(&particles, 50);
         fill_all(&particles, 0, 50);
         hc_particles_remove(&particles, gone[c], count);
@@ -256,7 +263,7 @@ START_TEST(removed_particles_leave_no_gaps) {
           for (uint64_t was = 0; was < 50; was++) {
             bool same = true;
             for (int field = 0; field < HC_FIELD_COUNT && same; field++)
-              if (is_state(kinds[k], field)) same = holds(&particles, field, i, was);
+              if (is_carried(kinds[k], field)) same = holds(&particles, field, i, was);
             seen[was] |= same;
           }
         for (int32_t was = 0; was < 50; was++) {
@@ -271,12 +278,12 @@ END_TEST
 
 START_TEST(scratch_has_room_for_every_own_particle) {
   hc_particles particles;
-  hc_particles_init(&particles, HC_FLUID);
+  hc_particles_init(&particles, HC_FLUID, HC_FOR_ALL);
   for (int32_t own = 0; own < 2000; own += 333) {
     hc_particles_resize(&particles, own);
     fill_all(&particles, 0, own);
     memset(hc_particles_scratch(&particles, 40), 0xff, (size_t)own * 40);
-    ck_assert(state_holds(&particles, 0, own));
+    ck_assert(carried_holds(&particles, 0, own));
   }
   hc_particles_free(&particles);
 }

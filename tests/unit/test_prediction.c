@@ -113,9 +113,9 @@ START_TEST(densities_and_pressures) {
         const hc_prediction prediction = prediction_of(&s, (hc_wall_rule)walls, shepard);
         hc_error_total total = {0};
         reset(&s, (hc_wall_rule)walls);
-        sweeps->predicted_density(&s.sweep, &prediction, 0, 123, &total);
-        sweeps->predicted_density(&s.sweep, &prediction, 123, FLUID, &total);
-        if (shepard) sweeps->corrected_density(&s.sweep, &prediction, 0, FLUID, &total);
+        sweeps->predicted_density(&s.sweep, &prediction, hc_select_range(0, 123), &total);
+        sweeps->predicted_density(&s.sweep, &prediction, hc_select_range(123, FLUID), &total);
+        if (shepard) sweeps->corrected_density(&s.sweep, &prediction, hc_select_range(0, FLUID), &total);
         check_densities(&s, shepard ? corrected : raw, &total);
       }
     }
@@ -130,7 +130,8 @@ START_TEST(densities_of_walls) {
   const hc_prediction prediction = prediction_of(&s, HC_WALLS_PRESSURE, false);
   for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
     reset(&s, HC_WALLS_PRESSURE);
-    hc_sweeps_of((hc_isa)isa)->boundary_density(&s.sweep, &prediction, 0, WALL);
+    hc_sweeps_of((hc_isa)isa)
+        ->boundary_density(&s.sweep, &prediction, &s.boundary, &s.wetted, hc_select_range(0, WALL));
     int pushing = 0;
     for (int32_t b = 0; b < WALL; b++) {
       double relative = 0;
@@ -156,13 +157,13 @@ static void push(setting *s, hc_wall_rule walls, hc_isa isa) {
   const hc_prediction prediction = prediction_of(s, walls, false);
   hc_error_total total = {0};
   reset(s, walls);
-  hc_sweeps_of(isa)->wall_sums(&s->sweep, 0, FLUID);
-  hc_sweeps_of(isa)->predicted_density(&s->sweep, &prediction, 0, FLUID, &total);
+  hc_sweeps_of(isa)->wall_sums(&s->sweep, hc_select_range(0, FLUID));
+  hc_sweeps_of(isa)->predicted_density(&s->sweep, &prediction, hc_select_range(0, FLUID), &total);
   for (int32_t i = 0; i < FLUID; i++) s->fluid.place[i].scalar = kappa_of(s->fluid.id[i]);
   if (walls == HC_WALLS_PRESSURE)
     for (int32_t b = 0; b < WALL; b++) s->boundary.place[b].scalar = kappa_of(s->boundary.id[b] + 9999);
-  hc_sweeps_of(isa)->push(&s->sweep, &prediction, 0, 77);
-  hc_sweeps_of(isa)->push(&s->sweep, &prediction, 77, FLUID);
+  hc_sweeps_of(isa)->push(&s->sweep, &prediction, hc_select_range(0, 77));
+  hc_sweeps_of(isa)->push(&s->sweep, &prediction, hc_select_range(77, FLUID));
 }
 
 START_TEST(pushes) {
@@ -206,7 +207,7 @@ START_TEST(contacts) {
   for (int rule = 0; rule < 2; rule++) {
     for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
       reset(&s, HC_WALLS_PRESSURE);
-      hc_sweeps_of((hc_isa)isa)->contacts(&s.sweep, (hc_contact_rule)rule, found, 0, FLUID);
+      hc_sweeps_of((hc_isa)isa)->contacts(&s.sweep, (hc_contact_rule)rule, found, hc_select_range(0, FLUID));
       int touching = 0;
       for (int32_t i = 0; i < FLUID; i++) {
         double weights_sum = 0, depth = 0;
@@ -244,7 +245,7 @@ START_TEST(velocities_of_walls) {
   prediction_of(&s, HC_WALLS_PRESSURE, false);
   for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
     reset(&s, HC_WALLS_PRESSURE);
-    hc_sweeps_of((hc_isa)isa)->wall_velocities(&s.sweep, found, 0, FLUID);
+    hc_sweeps_of((hc_isa)isa)->wall_velocities(&s.sweep, found, hc_select_range(0, FLUID));
     for (int32_t i = 0; i < FLUID; i++) {
       double weight = 0;
       vec sum = {{0, 0, 0}};

@@ -195,12 +195,13 @@ static hc_setup_plan plan_of(const hc_scene *scene) {
 static particle *made_by(const hc_scene *scene, int size, int64_t *count) {
   hc_setup_plan plan = plan_of(scene);
   particle *const all = hc_alloc((size_t)(plan.fluid_count + plan.boundary_count), sizeof *all);
-  hc_particles fluid, boundary;
-  hc_particles_init(&fluid, HC_FLUID);
-  hc_particles_init(&boundary, HC_BOUNDARY);
+  hc_particles fluid, boundary, moving;
+  hc_particles_init(&moving, HC_BOUNDARY | HC_MOVED, HC_FOR_ALL);
+  hc_particles_init(&fluid, HC_FLUID, HC_FOR_ALL);
+  hc_particles_init(&boundary, HC_BOUNDARY, HC_FOR_ALL);
   *count = 0;
   for (int rank = 0; rank < size; rank++) {
-    ck_assert_int_eq(hc_setup_generate(&plan, rank, size, &fluid, &boundary, NULL), HC_OK);
+    ck_assert_int_eq(hc_setup_generate(&plan, rank, size, &fluid, &boundary, &moving, NULL), HC_OK);
     ck_assert_int_le(fluid.own, plan.fluid_count / size + 1);
     collect(&fluid, all + *count);
     *count += fluid.own;
@@ -210,6 +211,7 @@ static particle *made_by(const hc_scene *scene, int size, int64_t *count) {
   ck_assert_int_eq(*count, plan.fluid_count + plan.boundary_count);
   hc_particles_free(&fluid);
   hc_particles_free(&boundary);
+  hc_particles_free(&moving);
   hc_setup_plan_free(&plan);
   qsort(all, (size_t)*count, sizeof *all, by_id);
   return all;
@@ -346,17 +348,19 @@ END_TEST
 START_TEST(generating_replaces_the_stores) {
   const hc_scene scene = full_scene();
   hc_setup_plan plan = plan_of(&scene);
-  hc_particles fluid, boundary;
-  hc_particles_init(&fluid, HC_FLUID);
-  hc_particles_init(&boundary, HC_BOUNDARY);
+  hc_particles fluid, boundary, moving;
+  hc_particles_init(&moving, HC_BOUNDARY | HC_MOVED, HC_FOR_ALL);
+  hc_particles_init(&fluid, HC_FLUID, HC_FOR_ALL);
+  hc_particles_init(&boundary, HC_BOUNDARY, HC_FOR_ALL);
   hc_particles_resize(&fluid, 5000);
   for (int k = 0; k < 5000; k++) fluid.pressure_multiplier[k] = 1;
-  hc_setup_generate(&plan, 0, 1, &fluid, &boundary, NULL);
+  hc_setup_generate(&plan, 0, 1, &fluid, &boundary, &moving, NULL);
   ck_assert_int_eq(fluid.own, 1000);
   for (int k = 0; k < 1000; k++) ck_assert(fluid.pressure_multiplier[k] == 0);
   for (int k = 0; k < boundary.own; k++) ck_assert(boundary.volume[k] == 0);
   hc_particles_free(&fluid);
   hc_particles_free(&boundary);
+  hc_particles_free(&moving);
   hc_setup_plan_free(&plan);
 }
 END_TEST
@@ -411,16 +415,18 @@ START_TEST(too_many_particles_for_a_rank_are_refused) {
   scene.fluid.block_count = 1;
   hc_setup_plan plan = plan_of(&scene);
   ck_assert_int_eq(plan.fluid_count, INT64_C(8000000000));
-  hc_particles fluid, boundary;
-  hc_particles_init(&fluid, HC_FLUID);
-  hc_particles_init(&boundary, HC_BOUNDARY);
+  hc_particles fluid, boundary, moving;
+  hc_particles_init(&moving, HC_BOUNDARY | HC_MOVED, HC_FOR_ALL);
+  hc_particles_init(&fluid, HC_FLUID, HC_FOR_ALL);
+  hc_particles_init(&boundary, HC_BOUNDARY, HC_FOR_ALL);
   hc_error error = {0};
-  ck_assert_int_eq(hc_setup_generate(&plan, 1, 3, &fluid, &boundary, &error), HC_BAD_INPUT);
+  ck_assert_int_eq(hc_setup_generate(&plan, 1, 3, &fluid, &boundary, &moving, &error), HC_BAD_INPUT);
   ck_assert_ptr_nonnull(strstr(error.text, "2147483584"));
   ck_assert_ptr_nonnull(strstr(error.text, "2666666667")); /* rank 1 of 3 */
-  ck_assert_int_eq(hc_setup_generate(&plan, 777777, 1 << 20, &fluid, &boundary, &error), HC_OK);
+  ck_assert_int_eq(hc_setup_generate(&plan, 777777, 1 << 20, &fluid, &boundary, &moving, &error), HC_OK);
   hc_particles_free(&fluid);
   hc_particles_free(&boundary);
+  hc_particles_free(&moving);
   hc_setup_plan_free(&plan);
 }
 END_TEST

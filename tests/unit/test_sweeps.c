@@ -133,19 +133,20 @@ static void run_all(setting *s, hc_isa isa, const int32_t *cuts, int ranges, fou
   memset(f, 0, sizeof *f);
   set_values(s);
   ck_assert_int_le(fluid->own, MOST);
-  for (int r = 0; r < ranges; r++) sweeps->density(&s->sweep, cuts[r], cuts[r + 1]);
+  for (int r = 0; r < ranges; r++) sweeps->density(&s->sweep, hc_select_range(cuts[r], cuts[r + 1]));
   for (int32_t i = 0; i < fluid->own; i++) f->rate[i] = fluid->place[i].scalar;
   for (int r = 0; r < ranges; r++) {
-    sweeps->xsph(&s->sweep, XSPH, &f->xsph[0][0], cuts[r], cuts[r + 1]);
-    sweeps->laminar(&s->sweep, LAMINAR, &f->laminar[0][0], cuts[r], cuts[r + 1]);
-    sweeps->xsph(&s->sweep, XSPH, &f->tense[0][0], cuts[r], cuts[r + 1]);
-    sweeps->cohesion(&s->sweep, COHESION, &f->tense[0][0], cuts[r], cuts[r + 1]);
-    sweeps->artificial(&s->sweep, ARTIFICIAL, &f->artificial[0][0], cuts[r], cuts[r + 1]);
+    sweeps->xsph(&s->sweep, XSPH, &f->xsph[0][0], hc_select_range(cuts[r], cuts[r + 1]));
+    sweeps->laminar(&s->sweep, LAMINAR, &f->laminar[0][0], hc_select_range(cuts[r], cuts[r + 1]));
+    sweeps->xsph(&s->sweep, XSPH, &f->tense[0][0], hc_select_range(cuts[r], cuts[r + 1]));
+    sweeps->cohesion(&s->sweep, COHESION, &f->tense[0][0], hc_select_range(cuts[r], cuts[r + 1]));
+    sweeps->artificial(&s->sweep, ARTIFICIAL, &f->artificial[0][0], hc_select_range(cuts[r], cuts[r + 1]));
   }
   for (int rule = 0; rule < 2; rule++) {
     hc_error_total total;
     memset(&total, 0, sizeof total);
-    for (int r = 0; r < ranges; r++) sweeps->error(&s->sweep, &rules[rule], cuts[r], cuts[r + 1], &total);
+    for (int r = 0; r < ranges; r++)
+      sweeps->error(&s->sweep, &rules[rule], hc_select_range(cuts[r], cuts[r + 1]), &total);
     for (int32_t i = 0; i < fluid->own; i++) f->kappa[rule][i] = fluid->place[i].scalar;
     f->total[rule] = hc_error_sum(&total);
     hc_sum_carry(&f->total[rule]);
@@ -153,7 +154,7 @@ static void run_all(setting *s, hc_isa isa, const int32_t *cuts, int ranges, fou
   }
   for (int32_t i = 0; i < fluid->own; i++) fluid->place[i].scalar = kappa_of(fluid->id[i]);
   for (int r = 0; r < ranges; r++)
-    sweeps->pressure(&s->sweep, PRESSURE, fluid->pressure_multiplier, cuts[r], cuts[r + 1]);
+    sweeps->pressure(&s->sweep, PRESSURE, fluid->pressure_multiplier, hc_select_range(cuts[r], cuts[r + 1]));
   for (int32_t i = 0; i < fluid->own; i++) {
     f->density[i] = fluid->density[i];
     f->inverse_density[i] = fluid->motion[i].scalar;
@@ -356,11 +357,11 @@ START_TEST(errors_follow_from_rates_to_the_bit) {
       hc_error_total whole, rest;
       memset(&whole, 0, sizeof whole);
       memset(&rest, 0, sizeof rest);
-      sweeps->density(&s.sweep, 0, all);
-      hc_error_from_rate(&s.sweep, &rules[rule], 0, 77, &rest);
-      hc_error_from_rate(&s.sweep, &rules[rule], 77, all, &rest);
+      sweeps->density(&s.sweep, hc_select_range(0, all));
+      hc_error_from_rate(&s.sweep, &rules[rule], hc_select_range(0, 77), &rest);
+      hc_error_from_rate(&s.sweep, &rules[rule], hc_select_range(77, all), &rest);
       for (int32_t i = 0; i < all; i++) kappa[i] = s.fluid.place[i].scalar;
-      sweeps->error(&s.sweep, &rules[rule], 0, all, &whole);
+      sweeps->error(&s.sweep, &rules[rule], hc_select_range(0, all), &whole);
       bool good = true;
       for (int32_t i = 0; i < all; i++) good &= kappa[i] == s.fluid.place[i].scalar;
       ck_assert_msg(good && whole.sum == rest.sum && whole.max == rest.max && whole.max > 0, "%s",
@@ -392,11 +393,11 @@ START_TEST(a_bad_velocity_shows_in_the_total) {
     const hc_sweeps *sweeps = hc_sweeps_of((hc_isa)isa);
     for (int rule = 0; rule < 2; rule++) {
       set_values(&s);
-      sweeps->density(&s.sweep, 0, all);
+      sweeps->density(&s.sweep, hc_select_range(0, all));
       s.fluid.motion[150].v[1] = NAN;
       hc_error_total total;
       memset(&total, 0, sizeof total);
-      sweeps->error(&s.sweep, &rules[rule], 0, all, &total);
+      sweeps->error(&s.sweep, &rules[rule], hc_select_range(0, all), &total);
       const hc_sum sum = hc_error_sum(&total);
       ck_assert(total.not_finite && isnan(hc_sum_value(&sum)));
     }
@@ -436,7 +437,7 @@ START_TEST(kernel_is_the_cubic_spline) {
   static vec way[STEPS + 1];
   make_pairs(&s, way);
   for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
-    hc_sweeps_of((hc_isa)isa)->density(&s.sweep, 0, s.fluid.own);
+    hc_sweeps_of((hc_isa)isa)->density(&s.sweep, hc_select_range(0, s.fluid.own));
     double w[STEPS + 1], g[STEPS + 1];
     for (int i = 0; i <= STEPS; i++) {
       const int k = (int)s.fluid.id[i];
@@ -488,7 +489,7 @@ START_TEST(kernel_integrates_to_one) {
     const double volume = H * H * H / 512;
     for (int32_t k = 0; k < s.boundary.own; k++) s.boundary.place[k].scalar = (float)volume;
     for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
-      hc_sweeps_of((hc_isa)isa)->density(&s.sweep, 0, 1);
+      hc_sweeps_of((hc_isa)isa)->density(&s.sweep, hc_select_range(0, 1));
       const double integral = s.fluid.density[0] / REST_DENSITY - VOLUME * kernel(0);
       ck_assert_msg(fabs(integral - 1) < 2e-5, "integral %.9g", integral);
       for (int axis = 0; axis < 3; axis++) ck_assert(fabs(H * s.fluid.wall_gradient[axis]) < 2e-4);
@@ -506,17 +507,17 @@ START_TEST(a_particle_alone_has_its_own_density) {
   set_values(&s);
   for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
     const hc_sweeps *sweeps = hc_sweeps_of((hc_isa)isa);
-    sweeps->density(&s.sweep, 0, 1);
+    sweeps->density(&s.sweep, hc_select_range(0, 1));
     ck_assert_double_eq_tol(s.fluid.density[0], REST_DENSITY * VOLUME * kernel(0), 1e-3);
     ck_assert(s.fluid.alpha[0] == 0);
     for (int axis = 0; axis < 3; axis++) ck_assert(s.fluid.wall_gradient[axis] == 0);
     hc_error_total total;
     memset(&total, 0, sizeof total);
-    sweeps->error(&s.sweep, &(hc_error_rule){.of_rate = 1, .signed_error = true, .relaxation = 1}, 0, 1,
-                  &total);
+    sweeps->error(&s.sweep, &(hc_error_rule){.of_rate = 1, .signed_error = true, .relaxation = 1},
+                  hc_select_range(0, 1), &total);
     ck_assert(total.sum == 0 && !total.not_finite && total.max == 0 && s.fluid.place[0].scalar == 0);
     float change[3] = {1, 1, 1};
-    sweeps->laminar(&s.sweep, 1, change, 0, 1);
+    sweeps->laminar(&s.sweep, 1, change, hc_select_range(0, 1));
     ck_assert(change[0] == 0 && change[1] == 0 && change[2] == 0);
   }
   setting_free(&s);

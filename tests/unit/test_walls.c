@@ -43,20 +43,24 @@ static walls make_walls(const char *text, int size) {
   ck_assert_msg(hc_setup_frame(&scene, &made.frame, &error) == HC_OK, "%s", error.text);
   ck_assert_msg(hc_setup_plan_make(&scene, &made.frame, &made.plan, &error) == HC_OK, "%s", error.text);
   made.samples = hc_alloc((size_t)made.plan.boundary_count, sizeof *made.samples);
-  hc_particles fluid, boundary;
-  hc_particles_init(&fluid, HC_FLUID);
-  hc_particles_init(&boundary, HC_BOUNDARY);
+  hc_particles fluid, boundary, moving;
+  hc_particles_init(&moving, HC_BOUNDARY | HC_MOVED, HC_FOR_ALL);
+  hc_particles_init(&fluid, HC_FLUID, HC_FOR_ALL);
+  hc_particles_init(&boundary, HC_BOUNDARY, HC_FOR_ALL);
   for (int rank = 0; rank < size; rank++) {
-    ck_assert_int_eq(hc_setup_generate(&made.plan, rank, size, &fluid, &boundary, &error), HC_OK);
-    for (int32_t k = 0; k < boundary.own; k++, made.count++) {
-      made.samples[made.count].id = boundary.id[k];
-      for (int a = 0; a < 3; a++)
-        made.samples[made.count].x[a] = hc_frame_to_metres(&made.frame, a, boundary.position[3 * k + a]);
-    }
+    ck_assert_int_eq(hc_setup_generate(&made.plan, rank, size, &fluid, &boundary, &moving, &error), HC_OK);
+    const hc_particles *const stores[] = {&boundary, &moving};
+    for (int s = 0; s < 2; s++)
+      for (int32_t k = 0; k < stores[s]->own; k++, made.count++) {
+        made.samples[made.count].id = stores[s]->id[k];
+        for (int a = 0; a < 3; a++)
+          made.samples[made.count].x[a] = hc_frame_to_metres(&made.frame, a, stores[s]->position[3 * k + a]);
+      }
   }
   ck_assert_int_eq(made.count, made.plan.boundary_count);
   hc_particles_free(&fluid);
   hc_particles_free(&boundary);
+  hc_particles_free(&moving);
   hc_scene_free(&scene);
   return made;
 }

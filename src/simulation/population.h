@@ -1,0 +1,52 @@
+/* Births and deaths of fluid particles: what leaves the world (setup/limits.h) and is taken out, what
+ * emitters bring in. All are judged on the particles as they are placed before any change, then applied
+ * together. */
+#ifndef HC_POPULATION_H
+#define HC_POPULATION_H
+
+#include "setup/limits.h"
+#include "solver/fault.h"
+#include "sources/emitters.h"
+
+enum { HC_LEAVING_NAMED = 10 };
+
+/* Where a particle was. */
+typedef struct hc_departure {
+  uint64_t id;
+  double at[3]; /* m */
+} hc_departure;
+
+/* Those that were taken out together; the same on every rank. */
+typedef struct hc_departures {
+  int64_t count;
+  int named; /* the first of them, by id */
+  hc_departure first[HC_LEAVING_NAMED];
+} hc_departures;
+
+typedef struct hc_population {
+  hc_limits limits; /* of the world */
+  bool remove;      /* what leaves is taken out; else it is a fault */
+  hc_emitters emitters;
+  /* as the last step began: */
+  hc_departures departures;
+  int64_t emitted, blocked; /* particles that emitters brought in, and left out */
+} hc_population;
+
+void hc_population_free(hc_population *population);
+
+/* Registers what is state. Local. */
+void hc_population_register(hc_population *population, hc_state *state);
+
+/* The largest speed that comes in between a time and `ahead` later, m/s. Local. */
+double hc_population_speed(const hc_population *population, double time, double ahead);
+
+/* Lets leave and come in what is due at a time, behind hc_world_place. True, on every rank, if any particle
+ * did: then place the world again; lists must not have been built. Collective: one reduction where leaving is
+ * looked for, some where a layer is due. */
+bool hc_population_change(hc_population *population, hc_world *world, double time);
+
+/* Behind the step: takes note of own particles beyond the limits as faults, unless they are to be removed.
+ * Local. */
+void hc_population_watch(const hc_population *population, const hc_world *world, hc_fault *fault);
+
+#endif
