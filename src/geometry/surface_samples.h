@@ -17,7 +17,7 @@
 #ifndef HC_SURFACE_SAMPLES_H
 #define HC_SURFACE_SAMPLES_H
 
-#include "surface.h"
+#include "surface_layer.h"
 
 /* Fills surface->samples, the first layer before the second. `fluid_inside`: the fluid is within a closed
  * surface; else on the side that its triangles look at. A surface so small that nothing fits behind it has
@@ -25,5 +25,12 @@
  * Local. */
 hc_status hc_surface_samples_make(hc_surface *surface, double spacing, int layers, bool fluid_inside,
                                   hc_error *error);
+
+/* The steps of this, for those who divide the work: check a layer, make the candidates of all its places, in
+ * parts as they like, and choose samples among them, in the order of the places, which are appended to
+ * surface->samples; those of the layers before must be there. */
+hc_status hc_surface_samples_check(const hc_surface_layer *layer, hc_error *error);
+void hc_surface_samples_choose(hc_surface *surface, const hc_surface_layer *layer,
+                               hc_sample_candidates *candidates);
 
 #endif
