@@ -169,7 +169,7 @@ static hc_status plan_particles(hc_simulation *simulation, hc_error *error) {
   hc_setup_plan *plan = &simulation->plan;
   const hc_scene *scene = simulation->scene;
   if (hc_prescribed_emitters_make(scene, &simulation->world.frame, &simulation->emitters, error) == HC_OK &&
-      hc_setup_plan_make(scene, &simulation->world.frame, plan, error) == HC_OK &&
+      hc_setup_plan_make(simulation->comm, scene, &simulation->world.frame, plan, error) == HC_OK &&
       hc_setup_limits(scene, plan, &simulation->emitters, &simulation->limits, error) == HC_OK)
     check_memory(simulation->comm, scene, plan, error);
   if (hc_comm_agree(simulation->comm, error) != HC_OK) return error->status;

@@ -34,9 +34,10 @@ typedef struct hc_surface {
   double low[3], high[3];
   double (*face_normal)[3], (*vertex_normal)[3];
   hc_surface_node *nodes;
-  int32_t *order; /* of the triangles, as the leaves hold them */
-  hc_surface_sample *samples;
-  int64_t sample_count;
+  int32_t *order;             /* of the triangles, as the leaves hold them */
+  hc_surface_sample *samples; /* from first_sample on as many as are held here */
+  int64_t sample_count, first_sample, samples_held;
+  double samples_low[3], samples_high[3]; /* of all */
 } hc_surface;
 
 /* The point of a surface that is nearest to another. */

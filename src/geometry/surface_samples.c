@@ -164,6 +164,17 @@ static void set_normals(const work *w, hc_sample_set *samples) {
   }
 }
 
+static void bound(hc_surface *surface) {
+  for (int a = 0; a < 3; a++) {
+    surface->samples_low[a] = INFINITY;
+    surface->samples_high[a] = -INFINITY;
+    for (int64_t k = 0; k < surface->samples_held; k++) {
+      surface->samples_low[a] = fmin(surface->samples_low[a], surface->samples[k].x[a]);
+      surface->samples_high[a] = fmax(surface->samples_high[a], surface->samples[k].x[a]);
+    }
+  }
+}
+
 /* Samples of one layer behind `samples`, which are kept. */
 static void append(hc_surface *surface, const hc_sample_set *set, int32_t from) {
   const int64_t count = set->count - from;
@@ -177,6 +188,8 @@ static void append(hc_surface *surface, const hc_sample_set *set, int32_t from) 
   hc_free(surface->samples);
   surface->samples = all;
   surface->sample_count += count;
+  surface->samples_held = surface->sample_count;
+  bound(surface);
 }
 
 hc_status hc_surface_samples_check(const hc_surface_layer *layer, hc_error *error) {

@@ -13,7 +13,7 @@
  * Walls thinner than 1.5 spacings have one layer in their middle, without a normal, walls up to about 3 one
  * layer a side: candidates that come too close to the surface elsewhere are left out.
  *
- * Every rank makes all samples of a surface; a plan has them until it is freed with the scene. */
+ * Among ranks the work is divided by setup/divide.h. */
 #ifndef HC_SURFACE_SAMPLES_H
 #define HC_SURFACE_SAMPLES_H
 

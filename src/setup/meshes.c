@@ -4,7 +4,7 @@
 #include "comm/comm.h"
 #include "geometry/mesh_file.h"
 #include "geometry/revolution.h"
-#include "geometry/surface_samples.h"
+#include "setup/divide.h"
 #include "setup/source.h"
 #include "setup/trace.h"
 #include "setup/world_frame.h"
@@ -159,7 +159,10 @@ static void make(const loading *l, const entry *e) {
   if ((e->form == HC_FORM_MESH ? load_mesh : turn_profile)(l, e, &mesh, error) == HC_OK &&
       check_extent(l, e, &mesh, error) == HC_OK) {
     surface = hc_surface_make(&mesh, e->closed);
-    if (e->wall) hc_surface_samples_make(surface, l->spacing, l->layers, e->fluid_inside, error);
+    if (e->wall && l->comm)
+      hc_divide_samples(l->comm, 0, surface, l->spacing, l->layers, e->fluid_inside, error);
+    else if (e->wall)
+      hc_surface_samples_make(surface, l->spacing, l->layers, e->fluid_inside, error);
   }
   hc_mesh_free(&mesh);
   if (error->status != HC_OK) {
