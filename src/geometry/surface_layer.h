@@ -3,7 +3,7 @@
 #ifndef HC_SURFACE_LAYER_H
 #define HC_SURFACE_LAYER_H
 
-#include "sample_set.h"
+#include "sample_choice.h"
 #include "surface.h"
 
 typedef struct hc_surface_layer {

@@ -12,23 +12,29 @@ static const double beside = 0.72;  /* spacings: what creases and layers keep fr
 enum { PASSES = 3, ROUNDS = 5 };
 static const double most_candidates = 1 << 24;
 
-/* A layer being sampled. */
+/* A surface being sampled. */
 typedef struct work {
-  const hc_surface_layer *layer;
+  const hc_surface_layer *layer; /* at which it is */
   const hc_surface *surface;
   hc_sample_set samples;
+  double (*normals)[3]; /* of samples of creases: their triangle is ON_CREASE less the place here */
+  size_t normal_count, normal_room;
 } work;
+
+enum { ON_CREASE = -2 };
 
 /* --- Corners and creases --- */
 
 static void add_sample(work *w, const double x[3], const double normal[3]) {
-  double unit[3];
   const double depth = -w->layer->side * hc_surface_signed_distance(w->surface, x, NULL);
   if (depth < hc_surface_layer_deep * w->layer->depth) return;
-  if (hc_sample_set_any_within(&w->samples, x, beside * w->layer->spacing)) return;
+  if (hc_sample_set_within(&w->samples, x, beside * w->layer->spacing) >= 0) return;
+  hc_reserve((void **)&w->normals, &w->normal_room, 2 * w->normal_count + 1, w->normal_count,
+             sizeof *w->normals);
+  double *const unit = w->normals[w->normal_count];
   for (int a = 0; a < 3; a++) unit[a] = w->layer->side * normal[a];
   hc_vector_normalize(unit);
-  hc_sample_set_add(&w->samples, x, unit, -1);
+  hc_sample_set_add(&w->samples, x, ON_CREASE - (int32_t)w->normal_count++);
 }
 
 /* A crease: side `side` of a triangle, seen from its first or second vertex. */
@@ -153,87 +159,78 @@ static void sample_creases(work *w) {
 
 /* --- All together --- */
 
-static void set_normals(const work *w, hc_sample_set *samples) {
-  for (int32_t k = samples->fixed; k < samples->count; k++) {
-    hc_sample *const sample = &samples->at[k];
-    double share[3];
-    if (sample->triangle < 0) continue; /* in the middle of a thin wall */
-    hc_surface_shares(w->surface, sample->triangle, sample->x, share);
-    hc_surface_smooth_normal(w->surface, sample->triangle, share, sample->normal);
-    for (int a = 0; a < 3; a++) sample->normal[a] *= w->layer->side;
-  }
+static void normal_of(const work *w, const hc_sample *sample, double side, double normal[3]) {
+  double share[3];
+  normal[0] = normal[1] = normal[2] = 0; /* in the middle of a thin wall */
+  if (sample->triangle <= ON_CREASE)
+    memcpy(normal, w->normals[ON_CREASE - sample->triangle], 3 * sizeof *normal);
+  if (sample->triangle < 0) return;
+  hc_surface_shares(w->surface, sample->triangle, sample->x, share);
+  hc_surface_smooth_normal(w->surface, sample->triangle, share, normal);
+  for (int a = 0; a < 3; a++) normal[a] *= side;
 }
 
-static void bound(hc_surface *surface) {
+static void keep_share(const work *w, bool fluid_inside, const hc_parts *parts, hc_surface *surface) {
+  int64_t first, last;
+  surface->sample_count = w->samples.count;
   for (int a = 0; a < 3; a++) {
     surface->samples_low[a] = INFINITY;
     surface->samples_high[a] = -INFINITY;
-    for (int64_t k = 0; k < surface->samples_held; k++) {
-      surface->samples_low[a] = fmin(surface->samples_low[a], surface->samples[k].x[a]);
-      surface->samples_high[a] = fmax(surface->samples_high[a], surface->samples[k].x[a]);
+    for (int32_t k = 0; k < w->samples.count; k++) {
+      surface->samples_low[a] = fmin(surface->samples_low[a], w->samples.at[k].x[a]);
+      surface->samples_high[a] = fmax(surface->samples_high[a], w->samples.at[k].x[a]);
     }
   }
-}
-
-/* Samples of one layer behind `samples`, which are kept. */
-static void append(hc_surface *surface, const hc_sample_set *set, int32_t from) {
-  const int64_t count = set->count - from;
-  hc_surface_sample *const all = hc_alloc((size_t)(surface->sample_count + count), sizeof *all);
-  if (surface->sample_count > 0) memcpy(all, surface->samples, (size_t)surface->sample_count * sizeof *all);
-  for (int64_t k = 0; k < count; k++) {
-    hc_surface_sample *const to = &all[surface->sample_count + k];
-    memcpy(to->x, set->at[from + k].x, sizeof to->x);
-    memcpy(to->normal, set->at[from + k].normal, sizeof to->normal);
+  hc_parts_share(parts, surface->sample_count, &first, &last);
+  surface->first_sample = first;
+  surface->samples_held = last - first;
+  surface->samples = hc_alloc((size_t)(last - first), sizeof *surface->samples);
+  for (int64_t k = first; k < last; k++) {
+    const hc_sample *const from = &w->samples.at[k];
+    hc_surface_sample *const to = &surface->samples[k - first];
+    memcpy(to->x, from->x, sizeof to->x);
+    normal_of(w, from, fluid_inside ? -1 : 1, to->normal);
   }
-  hc_free(surface->samples);
-  surface->samples = all;
-  surface->sample_count += count;
-  surface->samples_held = surface->sample_count;
-  bound(surface);
 }
 
-hc_status hc_surface_samples_check(const hc_surface_layer *layer, hc_error *error) {
-  const double expected = hc_surface_layer_estimate(layer);
-  if (expected <= most_candidates) return HC_OK;
-  return hc_error_set(
-      error, HC_BAD_INPUT,
-      "its surface is too large or too finely cut for particle_spacing %g m: sampling it would "
-      "take %.2g candidates and may take %.2g; is its scale right?",
-      layer->spacing, expected, most_candidates);
-}
-
-void hc_surface_samples_choose(hc_surface *surface, const hc_surface_layer *layer,
-                               hc_sample_candidates *candidates) {
-  const double spacing = layer->spacing;
-  work w = {.layer = layer, .surface = surface, .samples = hc_sample_set_make(apart * spacing)};
-  for (int64_t k = 0; k < surface->sample_count; k++) /* the layer before keeps its room */
-    hc_sample_set_add(&w.samples, surface->samples[k].x, surface->samples[k].normal, -1);
-  sample_creases(&w);
-  w.samples.fixed = w.samples.count;
-  hc_sample_set_choose(&w.samples, candidates, apart * spacing);
+/* Adds the samples of a layer behind those of the layers before, which keep their room. */
+static hc_status sample_layer(work *w, const hc_parts *parts, hc_error *error) {
+  const hc_surface_layer *const layer = w->layer;
+  const double spacing = layer->spacing, expected = hc_surface_layer_estimate(layer);
+  if (expected > most_candidates)
+    return hc_error_set(
+        error, HC_BAD_INPUT,
+        "its surface is too large or too finely cut for particle_spacing %g m: sampling it would "
+        "take %.2g candidates and may take %.2g; is its scale right?",
+        spacing, expected, most_candidates);
+  int64_t first, last;
+  hc_parts_share(parts, hc_surface_layer_places(layer), &first, &last);
+  hc_sample_candidates candidates = hc_surface_layer_candidates(layer, first, last);
+  hc_sample_candidates_number(&candidates, parts);
+  sample_creases(w);
+  w->samples.fixed = w->samples.count;
+  hc_sample_choice_first(&w->samples, &candidates, apart * spacing, parts);
   for (int pass = 0; pass < PASSES; pass++) {
-    for (int round = 0; round < ROUNDS; round++) hc_sample_set_even_out(&w.samples, candidates);
-    hc_sample_set_thin_out(&w.samples, candidates, crowded * spacing);
-    hc_sample_set_fill(&w.samples, candidates, hole * spacing);
+    for (int round = 0; round < ROUNDS; round++) hc_sample_choice_even_out(&w->samples, &candidates, parts);
+    hc_sample_choice_thin_out(&w->samples, &candidates, crowded * spacing);
+    hc_sample_choice_fill(&w->samples, &candidates, hole * spacing, parts);
   }
-  set_normals(&w, &w.samples);
-  append(surface, &w.samples, (int32_t)surface->sample_count);
-  hc_sample_set_free(&w.samples);
+  hc_sample_candidates_free(&candidates);
+  return HC_OK;
 }
 
 hc_status hc_surface_samples_make(hc_surface *surface, double spacing, int layers, bool fluid_inside,
-                                  hc_error *error) {
-  for (int number = 0; number < layers; number++) {
+                                  const hc_parts *parts, hc_error *error) {
+  work w = {.surface = surface, .samples = hc_sample_set_make(apart * spacing)};
+  hc_status status = HC_OK;
+  for (int number = 0; number < layers && status == HC_OK; number++) {
     hc_surface_layer layer = hc_surface_layer_make(surface, spacing, number, fluid_inside);
-    const hc_status status = hc_surface_samples_check(&layer, error);
-    if (status == HC_OK) {
-      hc_sample_candidates candidates =
-          hc_surface_layer_candidates(&layer, 0, hc_surface_layer_places(&layer));
-      hc_surface_samples_choose(surface, &layer, &candidates);
-      hc_sample_candidates_free(&candidates);
-    }
+    w.layer = &layer;
+    status = sample_layer(&w, parts, error);
     hc_surface_layer_free(&layer);
-    if (status != HC_OK) return status;
   }
-  return HC_OK;
+  if (status == HC_OK) keep_share(&w, fluid_inside, parts, surface);
+  hc_sample_set_free(&w.samples);
+  hc_free(w.normals);
+  return status;
 }

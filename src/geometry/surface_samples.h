@@ -13,24 +13,18 @@
  * Walls thinner than 1.5 spacings have one layer in their middle, without a normal, walls up to about 3 one
  * layer a side: candidates that come too close to the surface elsewhere are left out.
  *
- * Among ranks the work is divided by setup/divide.h. */
+ * The parts share out the places at which candidates may be; see sample_choice.h for how they choose. */
 #ifndef HC_SURFACE_SAMPLES_H
 #define HC_SURFACE_SAMPLES_H
 
 #include "surface_layer.h"
 
-/* Fills surface->samples, the first layer before the second. `fluid_inside`: the fluid is within a closed
- * surface; else on the side that its triangles look at. A surface so small that nothing fits behind it has
- * one sample in its middle. HC_BAD_INPUT: more than 2^24 candidates would be needed, some 600,000 samples.
- * Local. */
+/* Fills surface->samples, the first layer before the second, with our share of them. `fluid_inside`: the
+ * fluid is within a closed surface; else on the side that its triangles look at. A surface so small that
+ * nothing fits behind it has one sample in its middle. HC_BAD_INPUT, for all parts: more than 2^24 candidates
+ * would be needed, some 600,000 samples. Collective over `parts`; the samples are the same to the bit for any
+ * number of them. */
 hc_status hc_surface_samples_make(hc_surface *surface, double spacing, int layers, bool fluid_inside,
-                                  hc_error *error);
-
-/* The steps of this, for those who divide the work: check a layer, make the candidates of all its places, in
- * parts as they like, and choose samples among them, in the order of the places, which are appended to
- * surface->samples; those of the layers before must be there. */
-hc_status hc_surface_samples_check(const hc_surface_layer *layer, hc_error *error);
-void hc_surface_samples_choose(hc_surface *surface, const hc_surface_layer *layer,
-                               hc_sample_candidates *candidates);
+                                  const hc_parts *parts, hc_error *error);
 
 #endif

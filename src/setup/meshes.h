@@ -2,11 +2,16 @@
 #ifndef HC_MESHES_H
 #define HC_MESHES_H
 
+#include "comm/comm.h"
+#include "geometry/parts.h"
 #include "scene/findings.h"
 #include "scene/scene.h"
 
+/* How the ranks divide the sampling of a surface; null: one process alone. */
+hc_parts hc_setup_parts(hc_comm *comm);
+
 /* Makes the surface of every block and wall that has one; walls with their samples. Meshes are read by rank 0
- * and sent; sampled by all together (divide.h), to the same bits on any number of ranks. `context`: an
+ * and sent; sampled by all together, to the same bits on any number of ranks. `context`: an
  * hc_comm, over which the call is collective, or null: this process alone. `name`: the scene file, in whose
  * folder the meshes lie. Files' paths become whole and their checksums are filled in. A scene without a frame
  * is left alone (the review tells).

@@ -1,6 +1,7 @@
 #include "populate.h"
 
 #include "base/memory.h"
+#include "geometry/parts.h"
 #include "setup/flow.h"
 #include "setup/union.h"
 
@@ -56,6 +57,10 @@ void hc_setup_plan_free(hc_setup_plan *plan) {
   hc_free(plan->fluid);
   hc_free(plan->boundary);
   *plan = (hc_setup_plan){0};
+}
+
+void hc_setup_share(int64_t count, int rank, int size, int64_t *first, int64_t *last) {
+  hc_parts_share(&(hc_parts){.part = rank, .count = size}, count, first, last);
 }
 
 /* Evenly distributed in [-largest, largest], from the id and the seed alone (the mixer of splitmix64, Steele

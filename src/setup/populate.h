@@ -8,7 +8,6 @@
 
 #include "comm/comm.h"
 #include "particles/particles.h"
-#include "setup/share.h"
 #include "setup/source.h"
 
 /* Everything that is to be generated; owned by the caller, freed with hc_setup_plan_free. */
@@ -31,6 +30,9 @@ typedef struct hc_setup_plan {
 hc_status hc_setup_plan_make(hc_comm *comm, const hc_scene *scene, const hc_frame *frame, hc_setup_plan *plan,
                              hc_error *error);
 void hc_setup_plan_free(hc_setup_plan *plan);
+
+/* The range [first, last) of `count` things that falls to a rank. */
+void hc_setup_share(int64_t count, int rank, int size, int64_t *first, int64_t *last);
 
 /* Whether a rank can hold its share of the plan: HC_BAD_INPUT for more than 2^31 - 64 particles of a kind.
  * Local. */

@@ -4,7 +4,8 @@
 
 #include "base/memory.h"
 #include "geometry/revolution.h"
-#include "setup/divide.h"
+#include "geometry/surface_samples.h"
+#include "setup/meshes.h"
 #include "setup/populate.h"
 #include "setup/world_frame.h"
 
@@ -46,9 +47,9 @@ START_TEST(shares_are_the_whole) {
     for (int layers = 1; layers <= 2; layers++) {
       hc_surface *const shared = surface_of(mesh_of(which)), *const alone = surface_of(mesh_of(which));
       hc_error error = {0};
-      const int root = which % comm.size;
-      EXPECT(hc_divide_samples(&comm, root, shared, DX, layers, which == 1, &error) == HC_OK);
-      EXPECT(hc_surface_samples_make(alone, DX, layers, which == 1, &error) == HC_OK);
+      const hc_parts parts = hc_setup_parts(&comm);
+      EXPECT(hc_surface_samples_make(shared, DX, layers, which == 1, &parts, &error) == HC_OK);
+      EXPECT(hc_surface_samples_make(alone, DX, layers, which == 1, &hc_parts_alone, &error) == HC_OK);
       int64_t first, last;
       hc_setup_share(alone->sample_count, comm.rank, comm.size, &first, &last);
       EXPECT(shared->sample_count == alone->sample_count && shared->first_sample == first &&
@@ -66,7 +67,8 @@ END_TEST
 START_TEST(what_cannot_be_sampled_is_refused_everywhere) {
   hc_surface *const box = surface_of(box_mesh(none, ones));
   hc_error error = {0};
-  EXPECT(hc_divide_samples(&comm, 0, box, 1e-6, 1, false, &error) == HC_BAD_INPUT);
+  const hc_parts parts = hc_setup_parts(&comm);
+  EXPECT(hc_surface_samples_make(box, 1e-6, 1, false, &parts, &error) == HC_BAD_INPUT);
   EXPECT(strstr(error.text, "is its scale right?") != NULL);
   hc_surface_free(box);
 }
@@ -91,8 +93,8 @@ static void make_scenery(scenery *s, hc_comm *ranks) {
   hc_surface *const made[2] = {surface_of(sphere_mesh(ones, 0.5, 3)), surface_of(box_mesh(low, high))};
   for (int k = 0; k < 2; k++) {
     hc_error error;
-    EXPECT((ranks ? hc_divide_samples(ranks, 0, made[k], DX, 1, false, &error)
-                  : hc_surface_samples_make(made[k], DX, 1, false, &error)) == HC_OK);
+    const hc_parts parts = hc_setup_parts(ranks);
+    EXPECT(hc_surface_samples_make(made[k], DX, 1, false, &parts, &error) == HC_OK);
     s->walls[2 * k].made.surface = made[k];
   }
 }
