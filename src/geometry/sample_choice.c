@@ -4,6 +4,7 @@
 #include "base/memory.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,6 +37,12 @@ void hc_sample_candidates_number(hc_sample_candidates *candidates, const hc_part
     candidates->all += counts[part];
   }
   hc_free(counts);
+}
+
+static void note_change(hc_sample_set *set, const double x[3]) {
+  hc_reserve((void **)&set->changed, &set->changed_room, 2 * set->changed_count + 1, set->changed_count,
+             sizeof *set->changed);
+  memcpy(set->changed[set->changed_count++], x, sizeof *set->changed);
 }
 
 /* --- The first choice --- */
@@ -116,6 +123,7 @@ void hc_sample_choice_first(hc_sample_set *set, hc_sample_candidates *candidates
   int64_t end = candidates->all / FIRST_DRAW;
   for (; end < candidates->all; end = GROWTH * end + 1) draw(set, candidates, end, distance, parts);
   draw(set, candidates, candidates->all, distance, parts);
+  for (int32_t s = 0; s < set->count; s++) note_change(set, set->at[s].x);
 }
 
 /* --- Evening out --- */
@@ -158,10 +166,34 @@ static void look_for_best(cluster *c, const double x[3], int32_t k) {
   c->best = k;
 }
 
-static void gather_clusters(const hc_sample_set *set, hc_sample_candidates *candidates, cluster *clusters) {
+/* A bit for each cell of two reaches, by a hash: cells may share one. */
+static uint64_t cell_bit(const hc_sample_set *set, const double x[3], int n) {
+  uint64_t bits = 0;
+  for (int a = 0; a < 3; a++, n /= 3)
+    bits = mix(bits + (uint64_t)((int64_t)floor(x[a] / (2 * set->reach)) + n % 3 - 1));
+  return bits % ((uint64_t)set->head_count * 16);
+}
+
+/* The samples that may have other candidates than a round ago, and no fewer: who loses one to another, or
+ * gets it, is within two reaches of a change. Freed with hc_free. */
+static bool *find_unsettled(hc_sample_set *set) {
+  bool *const marked = hc_alloc_zero((size_t)set->head_count * 16, sizeof *marked),
+              *const unsettled = hc_alloc((size_t)set->count, sizeof *unsettled);
+  for (size_t k = 0; k < set->changed_count; k++)
+    for (int n = 0; n < 27; n++) marked[cell_bit(set, set->changed[k], n)] = true;
+  for (int32_t s = 0; s < set->count; s++) unsettled[s] = marked[cell_bit(set, set->at[s].x, 13)];
+  hc_free(marked);
+  set->changed_count = 0;
+  return unsettled;
+}
+
+/* Of the unsettled samples: the others' have not changed, and they stay where they are. */
+static void gather_clusters(const hc_sample_set *set, hc_sample_candidates *candidates, const bool *unsettled,
+                            cluster *clusters) {
   hc_sample_neighbors n = hc_sample_neighbors_make(set);
   for (int32_t k = 0; k < candidates->count; k++) {
     hc_sample_candidate *const c = &candidates->at[k];
+    if (c->nearest >= 0 && !unsettled[c->nearest]) continue;
     c->nearest = hc_sample_neighbors_nearest(set, &n, c->x, c->nearest);
     if (c->nearest >= 0) add_to_mean(&clusters[c->nearest], c->x);
   }
@@ -195,7 +227,8 @@ static void move_own(hc_sample_set *set, const hc_sample_candidates *candidates,
   for (int32_t s = set->fixed; s < set->count; s++) set_mean(&clusters[s]);
   for (int32_t k = 0; k < candidates->count; k++) {
     const hc_sample_candidate *const c = &candidates->at[k];
-    if (c->nearest >= set->fixed) look_for_best(&clusters[c->nearest], c->x, k);
+    if (c->nearest >= set->fixed && clusters[c->nearest].count > 0)
+      look_for_best(&clusters[c->nearest], c->x, k);
   }
   for (int32_t s = set->fixed; s < set->count; s++) {
     if (clusters[s].count == 0 || (times && times[s] > 1)) continue;
@@ -206,6 +239,8 @@ static void move_own(hc_sample_set *set, const hc_sample_candidates *candidates,
   hc_parts_gather(parts, (void **)&moves, &count, sizeof *moves);
   for (size_t k = 0; k < count; k++) {
     hc_sample *const sample = &set->at[moves[k].sample];
+    note_change(set, sample->x);
+    note_change(set, moves[k].x);
     memcpy(sample->x, moves[k].x, sizeof sample->x);
     sample->triangle = moves[k].triangle;
   }
@@ -219,7 +254,7 @@ static void move_shared(hc_sample_set *set, const hc_sample_candidates *candidat
   size_t count = 0, room = 0;
   for (int32_t k = 0; k < candidates->count; k++) {
     const hc_sample_candidate *const c = &candidates->at[k];
-    if (c->nearest < set->fixed || times[c->nearest] < 2) continue;
+    if (c->nearest < set->fixed || times[c->nearest] < 2) continue; /* none of settled ones */
     add_move(&members, &count, &room, &(member){{c->x[0], c->x[1], c->x[2]}, c->nearest, c->triangle});
   }
   hc_parts_gather(parts, (void **)&members, &count, sizeof *members);
@@ -230,6 +265,10 @@ static void move_shared(hc_sample_set *set, const hc_sample_candidates *candidat
   for (size_t k = 0; k < count; k++) {
     const member *const best = &members[clusters[members[k].sample].best];
     hc_sample *const sample = &set->at[best->sample];
+    if (memcmp(best->x, sample->x, sizeof best->x) != 0) {
+      note_change(set, sample->x);
+      note_change(set, best->x);
+    }
     memcpy(sample->x, best->x, sizeof sample->x);
     sample->triangle = best->triangle;
   }
@@ -238,7 +277,9 @@ static void move_shared(hc_sample_set *set, const hc_sample_candidates *candidat
 
 void hc_sample_choice_even_out(hc_sample_set *set, hc_sample_candidates *candidates, const hc_parts *parts) {
   cluster *const clusters = hc_alloc_zero((size_t)set->count, sizeof *clusters);
-  gather_clusters(set, candidates, clusters);
+  bool *const unsettled = find_unsettled(set);
+  gather_clusters(set, candidates, unsettled, clusters);
+  hc_free(unsettled);
   int32_t *const times = count_parts(set, clusters, parts);
   move_own(set, candidates, clusters, times, parts);
   if (times) move_shared(set, candidates, clusters, times, parts);
@@ -258,7 +299,10 @@ void hc_sample_choice_thin_out(hc_sample_set *set, hc_sample_candidates *candida
   for (int32_t k = set->fixed; k < count; k++) {
     const hc_sample sample = set->at[k];
     place[k] = hc_sample_set_within(set, sample.x, distance);
-    if (place[k] >= 0) continue;
+    if (place[k] >= 0) {
+      note_change(set, sample.x);
+      continue;
+    }
     place[k] = set->count;
     hc_sample_set_add(set, sample.x, sample.triangle);
   }
@@ -300,8 +344,10 @@ void hc_sample_choice_fill(hc_sample_set *set, const hc_sample_candidates *candi
   }
   hc_parts_gather(parts, (void **)&gaps, &count, sizeof *gaps);
   if (count > 0) qsort(gaps, count, sizeof *gaps, by_gap);
-  for (size_t k = 0; k < count; k++)
-    if (hc_sample_set_within(set, gaps[k].x, distance) < 0)
-      hc_sample_set_add(set, gaps[k].x, gaps[k].triangle);
+  for (size_t k = 0; k < count; k++) {
+    if (hc_sample_set_within(set, gaps[k].x, distance) >= 0) continue;
+    hc_sample_set_add(set, gaps[k].x, gaps[k].triangle);
+    note_change(set, gaps[k].x);
+  }
   hc_free(gaps);
 }

@@ -11,6 +11,7 @@ hc_sample_set hc_sample_set_make(double reach) {
 void hc_sample_set_free(hc_sample_set *set) {
   hc_free(set->at);
   hc_free(set->heads);
+  hc_free(set->changed);
   *set = (hc_sample_set){0};
 }
 

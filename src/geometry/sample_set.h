@@ -22,6 +22,8 @@ typedef struct hc_sample_set {
   double edge;    /* of a cell of the grid */
   int32_t *heads; /* of chains of samples, by the hash of their cell */
   int32_t head_count;
+  double (*changed)[3]; /* places where samples came, went, moved from and to, since the last round */
+  size_t changed_count, changed_room;
 } hc_sample_set;
 
 hc_sample_set hc_sample_set_make(double reach);
