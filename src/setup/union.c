@@ -31,26 +31,23 @@ typedef struct crossing {
   size_t dropped_count, dropped_room;
 } crossing;
 
-/* What the ranks have found in the shares of a surface that they hold, together; of other walls each has
- * found all. */
-static void share_found(const crossing *c, const hc_setup_source *of, void **found, size_t *count,
-                        size_t before, size_t size) {
+/* What was found among the samples of a wall, from `before` on: of a surface, by all ranks in the shares that
+ * they hold, together; of other walls each has found all. */
+static void share_found(const crossing *c, const hc_setup_source *of, size_t size, size_t before,
+                        void **found, size_t *count, size_t *room) {
   if (!c->comm || !of->sampling.listed) return;
-  char *all, *joined;
+  void *all;
   size_t bytes;
-  hc_comm_gather_all(c->comm, (const char *)*found + before * size, (*count - before) * size, (void **)&all,
-                     &bytes);
-  joined = hc_alloc(before + bytes / size, size);
-  if (before > 0) memcpy(joined, *found, before * size);
-  memcpy(joined + before * size, all, bytes);
-  hc_free(all);
-  hc_free(*found);
-  *found = joined;
+  hc_reserve(found, room, *count + 1, *count, size);
+  hc_comm_gather_all(c->comm, (char *)*found + before * size, (*count - before) * size, &all, &bytes);
+  hc_reserve(found, room, before + bytes / size, before, size);
+  memcpy((char *)*found + before * size, all, bytes);
   *count = before + bytes / size;
+  hc_free(all);
 }
 
 /* Looks at the samples of a wall that this rank answers for. */
-static void trace(const crossing *c, const hc_setup_source *of, const hc_trace *trace) {
+static void look_at(const crossing *c, const hc_setup_source *of, const hc_trace *trace) {
   const hc_sampling *const sampling = &of->sampling;
   if (sampling->listed)
     hc_trace_part(c->frame, sampling, sampling->listed_first, sampling->listed_end, trace);
@@ -168,17 +165,15 @@ static bool may_meet(const crossing *c, const hc_setup_source *other) {
 static void collect_from(crossing *c, const hc_setup_source *earlier) {
   const size_t before = c->near_count;
   c->from = earlier;
-  trace(c, earlier, &(hc_trace){c, clearance_of_wall, collect});
-  share_found(c, earlier, (void **)&c->near, &c->near_count, before, sizeof *c->near);
-  c->near_room = c->near_count;
+  look_at(c, earlier, &(hc_trace){c, clearance_of_wall, collect});
+  share_found(c, earlier, sizeof *c->near, before, (void **)&c->near, &c->near_count, &c->near_room);
 }
 
 /* Leaves out samples of this wall. */
 static void drop(crossing *c) {
   c->dropped_count = 0;
-  trace(c, c->wall, &(hc_trace){c, clearance_of_earlier, judge});
-  share_found(c, c->wall, (void **)&c->dropped, &c->dropped_count, 0, sizeof *c->dropped);
-  c->dropped_room = c->dropped_count;
+  look_at(c, c->wall, &(hc_trace){c, clearance_of_earlier, judge});
+  share_found(c, c->wall, sizeof *c->dropped, 0, (void **)&c->dropped, &c->dropped_count, &c->dropped_room);
   for (size_t k = 0; k < c->dropped_count; k++) hc_gaps_add(&c->wall->gaps, c->dropped[k]);
 }
 
