@@ -12,6 +12,7 @@ static void free_made(hc_made_surface *made) {
 void hc_scene_free_surfaces(hc_scene *scene) {
   for (int k = 0; k < scene->fluid.block_count; k++) free_made(&scene->fluid.blocks[k].made);
   for (int k = 0; k < scene->boundary.wall_count; k++) free_made(&scene->boundary.walls[k].made);
+  hc_memory_give_back();
 }
 
 void hc_scene_free(hc_scene *scene) {
