@@ -12,6 +12,10 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#ifdef __GLIBC__
+#  include <malloc.h>
+#endif
+
 /* From this size on memory is asked for in huge pages: neighbours of neighbours lie on many pages, and
  * looking up small ones costs a sweep over a million particles a quarter of its time. */
 enum { HUGE_PAGE = 2 << 20 };
@@ -74,6 +78,12 @@ bool hc_memory_has(size_t bytes) {
   void *volatile probe = malloc(bytes);
   free(probe);
   return probe != NULL;
+}
+
+void hc_memory_give_back(void) {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
 }
 
 /* Pages of this process: resident, and those of them that have a file or are shared. */

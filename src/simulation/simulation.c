@@ -152,7 +152,7 @@ static hc_status plan_particles(hc_simulation *simulation, hc_error *error) {
   const hc_scene *scene = simulation->scene;
   if (hc_prescribed_emitters_make(scene, &simulation->world.frame, &simulation->population.emitters, error) ==
           HC_OK &&
-      hc_setup_plan_make(scene, &simulation->world.frame, plan, error) == HC_OK &&
+      hc_setup_plan_make(simulation->comm, scene, &simulation->world.frame, plan, error) == HC_OK &&
       hc_setup_limits(scene, plan, &simulation->population.emitters, &simulation->population.limits, error) ==
           HC_OK)
     check_memory(simulation->comm, scene, plan, error);

@@ -197,8 +197,8 @@ START_TEST(a_checkpoint_rolls_back_as_far) {
     hc_simulation_show_resumable(&simulation, &kept);
     ck_assert_int_eq(simulation.step, at - 1);
     const hc_moment moment = hc_simulation_moment(&simulation);
-    ck_assert(hc_checkpoint_write(&comm, simulation.scene, &moment, &simulation.state, "test", folder, 2, &bytes, &error) ==
-              HC_OK);
+    ck_assert(hc_checkpoint_write(&comm, simulation.scene, &moment, &simulation.state, "test", folder, 2,
+                                  &bytes, &error) == HC_OK);
     hc_simulation_show_now(&simulation, &kept);
     ck_assert_int_eq(simulation.step, at);
     EXPECT(state_of(&simulation) == now);
