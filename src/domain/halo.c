@@ -392,8 +392,8 @@ void hc_halo_begin(hc_halo *halo, hc_halo_field field) {
     halo->receive[m].data = halo->receive_buffer + (size_t)halo->ghost_begin[m] * bytes;
     halo->receive[m].bytes = (size_t)(halo->ghost_begin[m + 1] - halo->ghost_begin[m]) * bytes;
   }
-  halo->exchange =
-      (hc_exchange){halo->send_count, halo->receive_count, halo->send, halo->receive, halo->requests, 0};
+  halo->exchange = (hc_exchange){
+      halo->send_count, halo->receive_count, halo->send, halo->receive, halo->requests, NULL, 0};
   hc_comm_exchange_begin(halo->domain->comm, &halo->exchange, (int)field);
   halo->pending = true;
 }
