@@ -1,30 +1,16 @@
 #include "base/check.h"
 #include "base/timer.h"
 #include "calls.h"
+#include "ending.h"
 
 #include <limits.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { PART_LIMIT = 1 << 30 }; /* bytes, under MPI's INT_MAX, whole cache lines */
 
 double hc_comm_busy_seconds(const hc_comm *comm) {
   return hc_work_seconds() - comm->spent_seconds;
-}
-
-static void end_alone(int signal_number) {
-  (void)signal_number;
-  _exit(HC_FAILED); /* the launcher ends the others */
-}
-
-/* Without memory the library may not find its way out: then this rank leaves by itself. */
-static void end_all(int exit_code) {
-  enum { PATIENCE = 10 }; /* s */
-  signal(SIGALRM, end_alone);
-  alarm(PATIENCE);
-  MPI_Abort(MPI_COMM_WORLD, exit_code);
 }
 
 void hc_comm_set_part_limit(hc_comm *comm, size_t bytes) {
@@ -39,7 +25,7 @@ static void duplicate(hc_comm *comm, MPI_Comm given) {
   CHECK_MPI(MPI_Comm_size(comm->mpi, &comm->size));
   hc_comm_set_part_limit(comm, PART_LIMIT);
   hc_check_set_rank(comm->rank);
-  if (comm->size > 1) hc_check_set_leave(end_all);
+  hc_ending_watch();
 }
 
 void hc_comm_start(hc_comm *comm, int *argc, char ***argv) {
@@ -78,7 +64,7 @@ hc_status hc_comm_start_on(hc_comm *comm, const int *handle, hc_error *error) {
 }
 
 void hc_comm_finish(hc_comm *comm) {
-  hc_check_set_leave(NULL);
+  hc_ending_unwatch();
   CHECK_MPI(MPI_Comm_free(&comm->mpi));
   if (comm->owns_mpi) CHECK_MPI(MPI_Finalize());
 }
