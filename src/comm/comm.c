@@ -78,11 +78,13 @@ int hc_comm_launched_rank(void) {
   return 0;
 }
 
-int hc_comm_machine_ranks(hc_comm *comm) {
-  MPI_Comm machine;
+int hc_comm_machine_ranks(hc_comm *comm, int group) {
+  MPI_Comm machine, sharing;
   int count = 0;
   CHECK_MPI(MPI_Comm_split_type(comm->mpi, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
-  CHECK_MPI(MPI_Comm_size(machine, &count));
+  CHECK_MPI(MPI_Comm_split(machine, group, 0, &sharing));
+  CHECK_MPI(MPI_Comm_size(sharing, &count));
+  CHECK_MPI(MPI_Comm_free(&sharing));
   CHECK_MPI(MPI_Comm_free(&machine));
   return count;
 }

@@ -47,8 +47,9 @@ int hc_comm_launched_rank(void);
  * waiting for others. Only differences mean something. Local. */
 double hc_comm_busy_seconds(const hc_comm *comm);
 
-/* The number of ranks that share this rank's machine and its memory, itself included. */
-int hc_comm_machine_ranks(hc_comm *comm);
+/* The number of ranks on this rank's machine, which share its memory, that call with the same group; itself
+ * included. Groups are not negative. */
+int hc_comm_machine_ranks(hc_comm *comm, int group);
 
 /* The error of the lowest rank that has one (error->status != HC_OK) becomes everybody's; returns its status.
  * This is how a rank tells the others that something of its own failed. */

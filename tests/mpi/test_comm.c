@@ -11,7 +11,8 @@
 START_TEST(ranks_are_what_the_launcher_said) {
   EXPECT(comm.rank >= 0 && comm.rank < comm.size);
   EXPECT(comm.size == 1 || hc_comm_launched_rank() == comm.rank);
-  EXPECT(hc_comm_machine_ranks(&comm) == comm.size); /* tests run on one machine */
+  EXPECT(hc_comm_machine_ranks(&comm, 0) == comm.size); /* tests run on one machine */
+  EXPECT(hc_comm_machine_ranks(&comm, comm.rank % 2) == (comm.size + !(comm.rank % 2)) / 2);
 }
 END_TEST
 
