@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/types.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* ---- the columns ---- */
@@ -108,38 +108,91 @@ static hc_status flush(hc_table *table, hc_error *error) {
   return failed(table, error);
 }
 
-/* Finds the end of the last whole row whose first number is at most `last`. Returns false if the header is
- * not ours (null: any is), or the file cannot be read (ferror). */
-static bool find_end(FILE *stream, const char *header, double last, off_t *end) {
-  char *line = NULL;
-  size_t room = 0;
-  const bool ours = fseeko(stream, 0, SEEK_SET) == 0 && getline(&line, &room, stream) > 0 &&
-                    (!header || strcmp(line, header) == 0);
-  if (ours) *end = ftello(stream);
-  while (ours && getline(&line, &room, stream) > 0) {
+static hc_status unreadable(const hc_table *table, hc_error *error) {
+  return hc_error_set(error, HC_IO_FAILED, "cannot read %s: %s", table->path, strerror(errno ? errno : EIO));
+}
+
+/* The end of the last whole row in `text` whose first number is at most `last`; 0: there is none. */
+static size_t end_of_rows(const char *text, size_t length, double last) {
+  size_t end = 0;
+  for (const char *row = text, *stop; (stop = memchr(row, '\n', length - (size_t)(row - text)));
+       row = stop + 1) {
     char *behind;
-    const double first = strtod(line, &behind);
-    if (!strchr(line, '\n') || behind == line || first > last) break;
-    *end = ftello(stream);
+    const double first = strtod(row, &behind);
+    if (behind != row && behind <= stop && first <= last) end = (size_t)(stop + 1 - text);
   }
-  free(line);
-  return ours && !ferror(stream);
+  return end;
+}
+
+/* Reads the bytes from `begin` on, with a zero behind them. */
+static bool read_at(const hc_table *table, off_t begin, char *text, size_t length) {
+  text[length] = '\0';
+  for (size_t done = 0; done < length;) {
+    errno = 0;
+    const ssize_t got = pread(fileno(table->stream), text + done, length - done, begin + (off_t)done);
+    if (got <= 0) return false;
+    done += (size_t)got;
+  }
+  return true;
+}
+
+/* Finds the end of the last whole row whose first number is at most `last`, from the end of the file
+ * backwards: what is taken back is short, the table may be long. */
+static bool find_end(const hc_table *table, double last, off_t *end) {
+  enum { WINDOW = 1 << 16 };
+  size_t window = WINDOW;
+  struct stat facts;
+  errno = 0;
+  if (fstat(fileno(table->stream), &facts) != 0) return false;
+  off_t upper = facts.st_size;
+  *end = table->rows;
+  while (upper > table->rows) {
+    const off_t lower = upper - table->rows > (off_t)window ? upper - (off_t)window : table->rows;
+    const size_t length = (size_t)(upper - lower);
+    char *text = hc_alloc(length + 1, 1);
+    if (!read_at(table, lower, text, length)) {
+      hc_free(text);
+      return false;
+    }
+    /* Rows begin behind a line end; what is before it belongs to the next window. */
+    const char *line_end = lower == table->rows ? NULL : memchr(text, '\n', length);
+    const size_t skipped = line_end ? (size_t)(line_end + 1 - text) : 0;
+    const bool rows = lower == table->rows || (skipped > 0 && skipped < length);
+    const size_t found = rows ? end_of_rows(text + skipped, length - skipped, last) : 0;
+    hc_free(text);
+    if (found > 0) {
+      *end = lower + (off_t)(skipped + found);
+      return true;
+    }
+    if (lower == table->rows) return true;
+    if (rows)
+      upper = lower + (off_t)skipped;
+    else
+      window *= 2; /* a row longer than it */
+  }
+  return true;
 }
 
 /* Drops what is behind the rows up to `last`, and goes on from there. */
-static hc_status cut(hc_table *table, const char *header, double last, hc_error *error) {
+static hc_status cut(hc_table *table, double last, hc_error *error) {
   off_t end = 0;
-  errno = 0;
-  const bool found = find_end(table->stream, header, last, &end);
-  if (ferror(table->stream)) /* rows that cannot be read are not cut off */
-    return hc_error_set(error, HC_IO_FAILED, "cannot read %s: %s", table->path,
-                        strerror(errno ? errno : EIO));
-  if (!found)
-    return hc_error_set(error, HC_IO_FAILED, "cannot go on in %s: its first line must be %.*s", table->path,
-                        header ? (int)strlen(header) - 1 : 0, header ? header : "");
+  if (!find_end(table, last, &end)) return unreadable(table, error); /* rows that are there are not cut off */
   if (fseeko(table->stream, end, SEEK_SET) != 0 || ftruncate(fileno(table->stream), end) != 0)
     return failed(table, error);
   return HC_OK;
+}
+
+/* Is the first line ours? */
+static hc_status check_header(const hc_table *table, const char *header, hc_error *error) {
+  char *line = NULL;
+  size_t room = 0;
+  errno = 0;
+  const bool ours = getline(&line, &room, table->stream) > 0 && strcmp(line, header) == 0;
+  free(line);
+  if (ferror(table->stream)) return unreadable(table, error);
+  if (ours) return HC_OK;
+  return hc_error_set(error, HC_IO_FAILED, "cannot go on in %s: its first line must be %.*s", table->path,
+                      (int)strlen(header) - 1, header);
 }
 
 static hc_status open_table(hc_table *table, const char *directory, const char *name, const char *header,
@@ -150,7 +203,9 @@ static hc_status open_table(hc_table *table, const char *directory, const char *
     table->stream = fopen(table->path, "r+");
     if (!table->stream && errno != ENOENT) return failed(table, error);
   }
-  if (table->stream) return cut(table, header, last, error);
+  table->rows = (off_t)strlen(header);
+  if (table->stream)
+    return check_header(table, header, error) == HC_OK ? cut(table, last, error) : error->status;
   table->stream = fopen(table->path, "w+");
   if (!table->stream) return failed(table, error);
   fputs(header, table->stream);
@@ -210,7 +265,7 @@ hc_status hc_tables_cut(hc_tables *tables, int64_t last_step, double last_time, 
   for (int k = 0; k < 3; k++) {
     if (!all[k]->stream) continue;
     const double last = all[k] == &tables->gauges ? last_time : (double)last_step;
-    if (cut(all[k], NULL, last, error) != HC_OK) return error->status;
+    if (cut(all[k], last, error) != HC_OK) return error->status;
   }
   return HC_OK;
 }

@@ -179,6 +179,66 @@ START_TEST(tables_take_rows_back) {
 }
 END_TEST
 
+/* Bytes that this process has read. */
+static long long bytes_read(void) {
+  FILE *file = fopen("/proc/self/io", "r");
+  long long bytes = 0;
+  ck_assert(file && fscanf(file, "rchar: %lld", &bytes) == 1);
+  fclose(file);
+  return bytes;
+}
+
+START_TEST(long_tables_are_not_read_to_take_rows_back) {
+  enum { ROWS = 100000, CUTS = 20 };
+  hc_tables tables;
+  ck_assert_int_eq(hc_tables_open(&tables, directory, "", -1, 0, &error), HC_OK);
+  for (int64_t step = 1; step <= ROWS; step++) {
+    const hc_step_row row = step_row(step);
+    ck_assert_int_eq(hc_tables_add_step(&tables, &row, &error), HC_OK);
+  }
+  const long long before = bytes_read();
+  for (int k = 1; k <= CUTS; k++) ck_assert_int_eq(hc_tables_cut(&tables, ROWS - 2 * k, 0, &error), HC_OK);
+  ck_assert_int_lt(bytes_read() - before, CUTS * 200000);
+  char last[256];
+  for (int64_t step = ROWS - 2 * CUTS; step > 0; step = step / 3 - 10) { /* also far back */
+    ck_assert_int_eq(hc_tables_cut(&tables, step, 0, &error), HC_OK);
+    FILE *file = fopen(in("steps.csv"), "r");
+    int64_t rows = -1;
+    while (fgets(last, sizeof last, file)) rows++;
+    fclose(file);
+    ck_assert_int_eq(rows, step);
+    ck_assert_int_eq(atoll(last), step);
+  }
+  ck_assert_int_eq(hc_tables_cut(&tables, 0, 0, &error), HC_OK);
+  ck_assert_str_eq(strchr(content("steps.csv"), '\n'), "\n");
+  ck_assert_int_eq(hc_tables_close(&tables, &error), HC_OK);
+}
+END_TEST
+
+START_TEST(rows_longer_than_a_window_are_taken_back) {
+  enum { COLUMNS = 10000 };
+  char *names = hc_alloc_zero(3 * COLUMNS, 1);
+  double *values = hc_alloc(COLUMNS, sizeof *values);
+  for (int k = 0; k < COLUMNS; k++) {
+    strcat(names + 2 * k, ",x");
+    values[k] = 1.0 / (k + 3);
+  }
+  hc_tables tables;
+  ck_assert_int_eq(hc_tables_open(&tables, directory, names, -1, 0, &error), HC_OK);
+  for (int row = 1; row <= 4; row++)
+    ck_assert_int_eq(hc_tables_add_gauges(&tables, row, values, COLUMNS, &error), HC_OK);
+  struct stat two, whole;
+  ck_assert_int_eq(stat(in("gauges.csv"), &whole), 0);
+  ck_assert_int_gt(whole.st_size, 4 * (2 << 16));
+  ck_assert_int_eq(hc_tables_cut(&tables, 0, 2.5, &error), HC_OK);
+  ck_assert_int_eq(stat(in("gauges.csv"), &two), 0);
+  ck_assert_int_eq(whole.st_size - two.st_size, two.st_size - (4 + 2 * COLUMNS + 1)); /* two rows of four */
+  ck_assert_int_eq(hc_tables_close(&tables, &error), HC_OK);
+  hc_free(names);
+  hc_free(values);
+}
+END_TEST
+
 START_TEST(a_full_disk_ends_a_table) {
   hc_tables tables;
   ck_assert_int_eq(symlink("/dev/full", in("load.csv")), 0);
@@ -360,6 +420,8 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, tables_hold_their_rows);
   tcase_add_test(tests, tables_go_on_after_a_restart);
   tcase_add_test(tests, tables_take_rows_back);
+  tcase_add_test(tests, long_tables_are_not_read_to_take_rows_back);
+  tcase_add_test(tests, rows_longer_than_a_window_are_taken_back);
   tcase_add_test(tests, a_full_disk_ends_a_table);
   tcase_add_test(tests, other_ranks_tables_and_logs_do_nothing);
   tcase_add_test(tests, a_log_echoes_a_kind_of_warning_once);
