@@ -304,6 +304,27 @@ START_TEST(progress_tells_the_run) {
 }
 END_TEST
 
+START_TEST(warnings_of_a_kind_become_rare) {
+  hc_log log;
+  ck_assert_int_eq(hc_log_open(&log, directory, false, &error), HC_OK);
+  FILE *echo = log.echo = tmpfile();
+  for (int64_t number = 1; number <= 12345; number++)
+    hc_log_warn_counted(&log, number, "step %d: too much", (int)number + 7);
+  ck_assert_int_eq(hc_log_close(&log, &error), HC_OK);
+  const char *text = content("run.log");
+  int lines = 0;
+  for (const char *c = text; *c; c++) lines += *c == '\n';
+  ck_assert_int_eq(lines, 13); /* 1 to 10, 100, 1000, 10000 */
+  ck_assert_msg(strstr(text, "warning step 8: too much\n") &&
+                    strstr(text, "warning step 17: too much; further ones are counted") &&
+                    !strstr(text, "step 18:") &&
+                    strstr(text, "warning step 1007: too much; the 1000th of its kind\n"),
+                "%s", text);
+  ck_assert_int_eq(ftell(echo), strlen("halocline: warning: step 8: too much\n"));
+  fclose(echo);
+}
+END_TEST
+
 START_TEST(json_has_commas_lines_and_escapes) {
   hc_json json;
   FILE *file = fopen(in("x.json"), "w");
@@ -426,6 +447,7 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, other_ranks_tables_and_logs_do_nothing);
   tcase_add_test(tests, a_log_echoes_a_kind_of_warning_once);
   tcase_add_test(tests, progress_tells_the_run);
+  tcase_add_test(tests, warnings_of_a_kind_become_rare);
   tcase_add_test(tests, json_has_commas_lines_and_escapes);
   tcase_add_test(tests, timings_are_valid_json);
   tcase_add_test(tests, the_series_grows_and_turns_back);
