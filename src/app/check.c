@@ -10,6 +10,7 @@
  * {snapshots, snapshot_bytes, checkpoint_bytes, total_bytes}. Estimates are those of estimate.h. */
 #include "commands.h"
 #include "estimate.h"
+#include "io/json.h"
 #include "io/text.h"
 #include "setup/scene_input.h"
 #include "setup/source.h"
@@ -124,90 +125,123 @@ static void put_text(const hc_scene *scene, const hc_estimate *estimate) {
 
 /* ---- JSON ---- */
 
-static void put_json_extent(const char *before, const char *name, const hc_estimate_set *set) {
-  hc_text_json_extent(stdout, before, name, set->count > 0, set->low, set->high);
+static void put_json_extent(hc_json *json, const char *name, const hc_estimate_set *set) {
+  hc_json_extent(json, name, set->count > 0, set->low, set->high);
 }
 
-static void put_json_source(int number, const char *name, const hc_estimate_set *set,
+/* `swept`: of a wall that moves; else null or empty. */
+static void put_json_source(hc_json *json, const char *name, const hc_estimate_set *set,
                             const hc_estimate_set *swept) {
-  printf("%s{\"name\":", number ? "," : "");
-  hc_text_json_string(stdout, name);
-  printf(",\"particles\":%" PRId64, set->count);
-  put_json_extent(",", "extent", set);
-  if (swept && swept->count > 0) put_json_extent(",", "swept", swept);
-  printf("}");
+  hc_json_object(json, NULL, HC_JSON_DENSE);
+  hc_json_string(json, "name", name);
+  hc_json_integer(json, "particles", set->count);
+  put_json_extent(json, "extent", set);
+  if (swept && swept->count > 0) put_json_extent(json, "swept", swept);
+  hc_json_end(json);
 }
 
-static void put_json_emitters(const hc_scene *scene, const hc_estimate *estimate) {
-  printf(",\"fluid_most\":%" PRId64 ",\"emitters\":[", estimate->fluid_most);
+static void put_json_emitters(hc_json *json, const hc_scene *scene, const hc_estimate *estimate) {
+  hc_json_integer(json, "fluid_most", estimate->fluid_most);
+  hc_json_list(json, "emitters", HC_JSON_DENSE);
   for (int k = 0; k < scene->fluid.emitter_count; k++) {
     const hc_estimate_emitter *emitter = &estimate->emitters[k];
-    printf("%s{\"name\":", k ? "," : "");
-    hc_text_json_string(stdout, hc_prescribed_emitter_name(k).text);
-    printf(",\"layer\":%" PRId64 ",\"most\":%" PRId64, emitter->samples, emitter->most);
-    hc_text_json_numbers(stdout, "speed", 0, &emitter->speed);
-    hc_text_json_numbers(stdout, "rate", 0, &emitter->rate);
-    printf("}");
+    hc_json_object(json, NULL, HC_JSON_DENSE);
+    hc_json_string(json, "name", hc_prescribed_emitter_name(k).text);
+    hc_json_integer(json, "layer", emitter->samples);
+    hc_json_integer(json, "most", emitter->most);
+    hc_json_number(json, "speed", emitter->speed);
+    hc_json_number(json, "rate", emitter->rate);
+    hc_json_end(json);
   }
-  printf("]");
+  hc_json_end(json);
 }
 
-/* `,"name":[{low, high}, ...]`, null along axes that have none. */
-static void put_json_ranges(const char *name, const bool has[3], const double low[3], const double high[3]) {
-  printf(",\"%s\":[", name);
+/* A list of {low, high}, null along axes that have none. */
+static void put_json_ranges(hc_json *json, const char *name, const bool has[3], const double low[3],
+                            const double high[3]) {
+  hc_json_list(json, name, HC_JSON_DENSE);
   for (int axis = 0; axis < 3; axis++) {
-    char low_text[HC_TEXT_NUMBER], high_text[HC_TEXT_NUMBER];
-    if (axis) printf(",");
-    if (has[axis])
-      printf("{\"low\":%s,\"high\":%s}", hc_text_json_number(low_text, low[axis]),
-             hc_text_json_number(high_text, high[axis]));
-    else
-      printf("null");
+    if (!has[axis]) {
+      hc_json_null(json, NULL);
+      continue;
+    }
+    hc_json_object(json, NULL, HC_JSON_DENSE);
+    hc_json_number(json, "low", low[axis]);
+    hc_json_number(json, "high", high[axis]);
+    hc_json_end(json);
   }
-  printf("]");
+  hc_json_end(json);
 }
 
-static void put_json_particles(const hc_scene *scene, const hc_estimate *estimate) {
-  printf(",\"fluid\":%" PRId64 ",\"boundary\":%" PRId64 ",\"blocks\":[", estimate->fluid.count,
-         estimate->boundary.count);
+static void put_json_sources(hc_json *json, const hc_scene *scene, const hc_estimate *estimate) {
+  hc_json_integer(json, "fluid", estimate->fluid.count);
+  hc_json_integer(json, "boundary", estimate->boundary.count);
+  hc_json_list(json, "blocks", HC_JSON_DENSE);
   for (int k = 0; k < scene->fluid.block_count; k++)
-    put_json_source(k, hc_source_block_name(k).text, &estimate->blocks[k], NULL);
-  printf("],\"walls\":[");
+    put_json_source(json, hc_source_block_name(k).text, &estimate->blocks[k], NULL);
+  hc_json_end(json);
+  hc_json_list(json, "walls", HC_JSON_DENSE);
   for (int k = 0; k < scene->boundary.wall_count; k++)
-    put_json_source(k, hc_source_wall_name(&scene->boundary.walls[k], k).text, &estimate->walls[k],
+    put_json_source(json, hc_source_wall_name(&scene->boundary.walls[k], k).text, &estimate->walls[k],
                     &estimate->swept[k]);
-  printf("],\"extents\":{");
-  put_json_extent("", "fluid", &estimate->fluid);
-  put_json_extent(",", "boundary", &estimate->boundary);
-  put_json_extent(",", "all", &estimate->all);
-  printf("}");
-  put_json_ranges("periodic", scene->domain.periodic, scene->domain.min, scene->domain.max);
+  hc_json_end(json);
+}
+
+static void put_json_extents(hc_json *json, const hc_scene *scene, const hc_estimate *estimate) {
+  hc_json_object(json, "extents", HC_JSON_DENSE);
+  put_json_extent(json, "fluid", &estimate->fluid);
+  put_json_extent(json, "boundary", &estimate->boundary);
+  put_json_extent(json, "all", &estimate->all);
+  hc_json_end(json);
+  put_json_ranges(json, "periodic", scene->domain.periodic, scene->domain.min, scene->domain.max);
   bool limited[3];
   for (int axis = 0; axis < 3; axis++) limited[axis] = isfinite(estimate->limits_low[axis]);
-  put_json_ranges("limits", limited, estimate->limits_low, estimate->limits_high);
-  printf(",\"leaving\":\"%s\"", leaving_name(scene));
-  put_json_emitters(scene, estimate);
+  put_json_ranges(json, "limits", limited, estimate->limits_low, estimate->limits_high);
+  hc_json_string(json, "leaving", leaving_name(scene));
+}
+
+/* A number of bytes, whole. */
+static void put_json_bytes(hc_json *json, const char *name, double bytes) {
+  hc_json_number(json, name, nearbyint(bytes));
+}
+
+static void put_json_costs(hc_json *json, const hc_estimate *estimate) {
+  hc_json_integer(json, "ranks", estimate->ranks);
+  hc_json_object(json, "memory_per_rank", HC_JSON_DENSE);
+  put_json_bytes(json, "total", estimate->memory);
+  put_json_bytes(json, "program", estimate->memory_program);
+  put_json_bytes(json, "fluid", estimate->memory_fluid);
+  put_json_bytes(json, "boundary", estimate->memory_boundary);
+  put_json_bytes(json, "ghosts", estimate->memory_ghosts);
+  put_json_bytes(json, "writing", estimate->memory_writing);
+  hc_json_end(json);
+  hc_json_object(json, "output", HC_JSON_DENSE);
+  hc_json_integer(json, "snapshots", estimate->snapshots);
+  put_json_bytes(json, "snapshot_bytes", estimate->snapshot_bytes);
+  put_json_bytes(json, "checkpoint_bytes", estimate->checkpoint_bytes);
+  put_json_bytes(json, "total_bytes", estimate->output_bytes);
+  hc_json_end(json);
 }
 
 static void put_json(const hc_scene *scene, const hc_estimate *estimate) {
-  char number[HC_TEXT_NUMBER];
-  printf("{\"scene\":");
-  hc_text_json_string(stdout, scene->name);
-  hc_text_json_numbers(stdout, "particle_spacing", 0, &scene->particle_spacing);
-  hc_text_json_numbers(stdout, "support_radius", 0, &scene->support_radius);
-  hc_text_json_numbers(stdout, "end_time", 0, &scene->end_time);
-  put_json_particles(scene, estimate);
-  printf(",\"first_step\":{\"dt\":%s,\"bound\":\"%s\"}", hc_text_json_number(number, estimate->first_step),
-         hc_step_bound_name(estimate->bound));
-  printf(",\"steps\":%" PRId64 ",\"steps_exact\":%s", estimate->steps,
-         scene->time_step.control == HC_TIME_CONSTANT ? "true" : "false");
-  printf(",\"ranks\":%" PRId64 ",\"memory_per_rank\":{\"total\":%.0f,\"program\":%.0f,\"fluid\":%.0f,"
-         "\"boundary\":%.0f,\"ghosts\":%.0f,\"writing\":%.0f}",
-         estimate->ranks, estimate->memory, estimate->memory_program, estimate->memory_fluid,
-         estimate->memory_boundary, estimate->memory_ghosts, estimate->memory_writing);
-  printf(",\"output\":{\"snapshots\":%" PRId64 ",\"snapshot_bytes\":%.0f,\"checkpoint_bytes\":%.0f,"
-         "\"total_bytes\":%.0f}}\n",
-         estimate->snapshots, estimate->snapshot_bytes, estimate->checkpoint_bytes, estimate->output_bytes);
+  hc_json json;
+  hc_json_begin(&json, stdout, false);
+  hc_json_object(&json, NULL, HC_JSON_DENSE);
+  hc_json_string(&json, "scene", scene->name);
+  hc_json_number(&json, "particle_spacing", scene->particle_spacing);
+  hc_json_number(&json, "support_radius", scene->support_radius);
+  hc_json_number(&json, "end_time", scene->end_time);
+  put_json_sources(&json, scene, estimate);
+  put_json_extents(&json, scene, estimate);
+  put_json_emitters(&json, scene, estimate);
+  hc_json_object(&json, "first_step", HC_JSON_DENSE);
+  hc_json_number(&json, "dt", estimate->first_step);
+  hc_json_string(&json, "bound", hc_step_bound_name(estimate->bound));
+  hc_json_end(&json);
+  hc_json_integer(&json, "steps", estimate->steps);
+  hc_json_bool(&json, "steps_exact", scene->time_step.control == HC_TIME_CONSTANT);
+  put_json_costs(&json, estimate);
+  hc_json_end(&json);
 }
 
 int hc_command_check(const hc_options *options) {

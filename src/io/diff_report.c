@@ -1,5 +1,6 @@
 #include "diff_report.h"
 
+#include "json.h"
 #include "particles/ids.h"
 #include "text.h"
 
@@ -88,68 +89,81 @@ void hc_diff_report_text(const hc_diff_report *report, FILE *out) {
             report->common);
 }
 
-static void put_json_side(const char *name, const hc_snapshot_file *file, FILE *out) {
-  char time[HC_TEXT_NUMBER];
-  fprintf(out, "\"%s\":{\"file\":", name);
-  hc_text_json_string(out, file->path);
-  fprintf(out, ",\"scene\":");
-  hc_text_json_string(out, file->facts.scene);
-  fprintf(out, ",\"step\":%" PRId64 ",\"time\":%s,\"particles\":%" PRId64 ",\"pieces\":%" PRId64 "}",
-          file->facts.step, hc_text_json_number(time, file->facts.time), file->facts.particles,
-          file->facts.pieces);
+static void put_json_side(const char *name, const hc_snapshot_file *file, hc_json *json) {
+  hc_json_object(json, name, HC_JSON_DENSE);
+  hc_json_string(json, "file", file->path);
+  hc_json_string(json, "scene", file->facts.scene);
+  hc_json_integer(json, "step", file->facts.step);
+  hc_json_number(json, "time", file->facts.time);
+  hc_json_integer(json, "particles", file->facts.particles);
+  hc_json_integer(json, "pieces", file->facts.pieces);
+  hc_json_end(json);
 }
 
-static void put_json_field(const hc_diff_field *field, FILE *out) {
-  fprintf(out, "{\"name\":");
-  hc_text_json_string(out, field->name);
-  fprintf(out, ",\"unit\":");
-  hc_text_json_string(out, field->unit);
-  if (field->trouble) {
-    fprintf(out, ",\"trouble\":");
-    hc_text_json_string(out, field->trouble);
-  }
-  fprintf(out, ",\"differing\":%" PRId64, field->differing);
+static void put_json_field(const hc_diff_field *field, hc_json *json) {
+  hc_json_object(json, NULL, HC_JSON_DENSE);
+  hc_json_string(json, "name", field->name);
+  hc_json_string(json, "unit", field->unit);
+  if (field->trouble) hc_json_string(json, "trouble", field->trouble);
+  hc_json_integer(json, "differing", field->differing);
   if (field->found) {
-    hc_text_json_numbers(out, "worst", 0, &field->worst);
-    if (field->worst_units > 0) fprintf(out, ",\"worst_units\":%" PRId64, field->worst_units);
-    fprintf(out, ",\"id\":%" PRIu64, field->worst_id);
-    hc_text_json_numbers(out, "at", 3, field->worst_at);
+    hc_json_number(json, "worst", field->worst);
+    if (field->worst_units > 0) hc_json_integer(json, "worst_units", field->worst_units);
+    hc_json_id(json, "id", field->worst_id);
+    hc_json_numbers(json, "at", 3, field->worst_at);
   }
-  fprintf(out, "}");
+  hc_json_end(json);
+}
+
+static void put_json_value(const char *name, int count, const double *values, hc_json *json) {
+  if (count > 1)
+    hc_json_numbers(json, name, count, values);
+  else
+    hc_json_number(json, name, *values);
+}
+
+static void put_json_settings(const hc_diff_report *report, hc_json *json) {
+  hc_json_list(json, "settings", HC_JSON_DENSE);
+  for (int k = 0; k < report->setting_count; k++) {
+    const hc_diff_setting *setting = &report->settings[k];
+    hc_json_object(json, NULL, HC_JSON_DENSE);
+    hc_json_string(json, "name", setting->name);
+    hc_json_string(json, "unit", setting->unit);
+    put_json_value("a", setting->count, setting->a, json);
+    put_json_value("b", setting->count, setting->b, json);
+    hc_json_end(json);
+  }
+  hc_json_end(json);
+}
+
+static void put_json_missing(const hc_diff_report *report, int side, hc_json *json) {
+  hc_json_object(json, side == 0 ? "only_in_a" : "only_in_b", HC_JSON_DENSE);
+  hc_json_integer(json, "count", report->missing[side]);
+  hc_json_list(json, "ids", HC_JSON_DENSE);
+  for (int k = 0; k < report->missing[side] && k < HC_DIFF_LISTED; k++)
+    hc_json_id(json, NULL, report->missing_ids[side][k]);
+  hc_json_end(json);
+  hc_json_end(json);
 }
 
 void hc_diff_report_json(const hc_diff_report *report, FILE *out) {
-  char number[HC_TEXT_NUMBER];
-  fprintf(out, "{\"same\":%s,\"tolerance\":%s,", report->same ? "true" : "false",
-          hc_text_json_number(number, report->tolerance));
-  put_json_side("a", report->a, out);
-  fprintf(out, ",");
-  put_json_side("b", report->b, out);
-  fprintf(out,
-          ",\"same_scene\":%s,\"same_step\":%s,\"same_time\":%s,\"same_unit\":%s,\"common\":%" PRId64
-          ",\"differing\":%" PRId64,
-          report->same_scene ? "true" : "false", report->same_step ? "true" : "false",
-          report->same_time ? "true" : "false", report->same_unit ? "true" : "false", report->common,
-          report->differing);
-  fprintf(out, ",\"settings\":[");
-  for (int k = 0; k < report->setting_count; k++) {
-    const hc_diff_setting *setting = &report->settings[k];
-    fprintf(out, "%s{\"name\":\"%s\",\"unit\":\"%s\"", k ? "," : "", setting->name, setting->unit);
-    hc_text_json_numbers(out, "a", setting->count > 1 ? setting->count : 0, setting->a);
-    hc_text_json_numbers(out, "b", setting->count > 1 ? setting->count : 0, setting->b);
-    fprintf(out, "}");
-  }
-  fprintf(out, "]");
-  for (int side = 0; side < 2; side++) {
-    fprintf(out, ",\"only_in_%c\":{\"count\":%" PRId64 ",\"ids\":[", "ab"[side], report -> missing[side]);
-    for (int k = 0; k < report->missing[side] && k < HC_DIFF_LISTED; k++)
-      fprintf(out, "%s%" PRIu64, k ? "," : "", report->missing_ids[side][k]);
-    fprintf(out, "]}");
-  }
-  fprintf(out, ",\"fields\":[");
-  for (int k = 0; k < report->field_count; k++) {
-    if (k) fprintf(out, ",");
-    put_json_field(&report->fields[k], out);
-  }
-  fprintf(out, "]}\n");
+  hc_json json;
+  hc_json_begin(&json, out, false);
+  hc_json_object(&json, NULL, HC_JSON_DENSE);
+  hc_json_bool(&json, "same", report->same);
+  hc_json_number(&json, "tolerance", report->tolerance);
+  put_json_side("a", report->a, &json);
+  put_json_side("b", report->b, &json);
+  hc_json_bool(&json, "same_scene", report->same_scene);
+  hc_json_bool(&json, "same_step", report->same_step);
+  hc_json_bool(&json, "same_time", report->same_time);
+  hc_json_bool(&json, "same_unit", report->same_unit);
+  hc_json_integer(&json, "common", report->common);
+  hc_json_integer(&json, "differing", report->differing);
+  put_json_settings(report, &json);
+  for (int side = 0; side < 2; side++) put_json_missing(report, side, &json);
+  hc_json_list(&json, "fields", HC_JSON_DENSE);
+  for (int k = 0; k < report->field_count; k++) put_json_field(&report->fields[k], &json);
+  hc_json_end(&json);
+  hc_json_end(&json);
 }

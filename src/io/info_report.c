@@ -1,5 +1,6 @@
 #include "info_report.h"
 
+#include "json.h"
 #include "particles/particles.h"
 #include "text.h"
 
@@ -76,68 +77,62 @@ void hc_info_report_text(const hc_info_report *report, FILE *out) {
 
 /* ---- JSON ---- */
 
-static void put_json_facts(const hc_info_report *report, FILE *out) {
+static void put_json_facts(const hc_info_report *report, hc_json *json) {
   const hc_snapshot_facts *facts = &report->file.facts;
-  fprintf(out, "{\"file\":");
-  hc_text_json_string(out, report->file.path);
-  fprintf(out, ",\"content\":\"%s\",\"format\":%" PRId64 ",\"version\":",
-          report->file.checkpoint ? "checkpoint" : "snapshot", facts->format_version);
-  hc_text_json_string(out, facts->program_version);
-  fprintf(out, ",\"scene\":");
-  hc_text_json_string(out, facts->scene);
-  fprintf(out,
-          ",\"step\":%" PRId64 ",\"pieces\":%" PRId64 ",\"particles\":%" PRId64 ",\"fluid\":%" PRId64
-          ",\"boundary\":%" PRId64,
-          facts->step, facts->pieces, facts->particles, facts->fluid, facts->boundary);
-  const struct {
-    const char *name;
-    double value;
-  } numbers[] = {{"time", facts->time},
-                 {"dt", facts->dt},
-                 {"particle_spacing", facts->particle_spacing},
-                 {"support_radius", facts->support_radius},
-                 {"rest_density", facts->rest_density},
-                 {"particle_mass", facts->particle_mass},
-                 {"mass", report->mass},
-                 {"kinetic_energy", report->kinetic_energy},
-                 {"potential_energy", report->potential_energy}};
-  for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
-    hc_text_json_numbers(out, numbers[k].name, 0, &numbers[k].value);
-  hc_text_json_numbers(out, "gravity", 3, facts->gravity);
-  hc_text_json_numbers(out, "momentum", 3, report->momentum);
+  hc_json_string(json, "file", report->file.path);
+  hc_json_string(json, "content", report->file.checkpoint ? "checkpoint" : "snapshot");
+  hc_json_integer(json, "format", facts->format_version);
+  hc_json_string(json, "version", facts->program_version);
+  hc_json_string(json, "scene", facts->scene);
+  hc_json_integer(json, "step", facts->step);
+  hc_json_integer(json, "pieces", facts->pieces);
+  hc_json_integer(json, "particles", facts->particles);
+  hc_json_integer(json, "fluid", facts->fluid);
+  hc_json_integer(json, "boundary", facts->boundary);
+  hc_json_number(json, "time", facts->time);
+  hc_json_number(json, "dt", facts->dt);
+  hc_json_number(json, "particle_spacing", facts->particle_spacing);
+  hc_json_number(json, "support_radius", facts->support_radius);
+  hc_json_number(json, "rest_density", facts->rest_density);
+  hc_json_number(json, "particle_mass", facts->particle_mass);
+  hc_json_number(json, "mass", report->mass);
+  hc_json_number(json, "kinetic_energy", report->kinetic_energy);
+  hc_json_number(json, "potential_energy", report->potential_energy);
+  hc_json_numbers(json, "gravity", 3, facts->gravity);
+  hc_json_numbers(json, "momentum", 3, report->momentum);
 }
 
-static void put_json_field(const hc_snapshot_field *field, const hc_info_range *range, FILE *out) {
+static void put_json_field(const hc_snapshot_field *field, const hc_info_range *range, hc_json *json) {
   const bool any = range->min <= range->max;
-  const double none = NAN;
-  fprintf(out, "{\"name\":");
-  hc_text_json_string(out, field->name);
-  fprintf(out, ",\"type\":\"%s\",\"components\":%d,\"unit\":", type_names[field->type], field->components);
-  hc_text_json_string(out, field->unit);
-  fprintf(out, ",\"kinds\":[");
-  bool first = true;
-  for (int kind = 0; kind < HC_INFO_KINDS; kind++) {
-    if (!(field->kinds & kind_flags[kind])) continue;
-    fprintf(out, "%s\"%s\"", first ? "" : ",", kind_names[kind]);
-    first = false;
-  }
-  fprintf(out, "]");
-  hc_text_json_numbers(out, "min", 0, any ? &range->min : &none);
-  hc_text_json_numbers(out, "mean", 0, &range->mean);
-  hc_text_json_numbers(out, "max", 0, any ? &range->max : &none);
-  fprintf(out, ",\"not_numbers\":%" PRId64 "}", range->not_numbers);
+  hc_json_object(json, NULL, HC_JSON_DENSE);
+  hc_json_string(json, "name", field->name);
+  hc_json_string(json, "type", type_names[field->type]);
+  hc_json_integer(json, "components", field->components);
+  hc_json_string(json, "unit", field->unit);
+  hc_json_list(json, "kinds", HC_JSON_DENSE);
+  for (int kind = 0; kind < HC_INFO_KINDS; kind++)
+    if (field->kinds & kind_flags[kind]) hc_json_string(json, NULL, kind_names[kind]);
+  hc_json_end(json);
+  hc_json_number(json, "min", any ? range->min : NAN);
+  hc_json_number(json, "mean", range->mean);
+  hc_json_number(json, "max", any ? range->max : NAN);
+  hc_json_integer(json, "not_numbers", range->not_numbers);
+  hc_json_end(json);
 }
 
 void hc_info_report_json(const hc_info_report *report, FILE *out) {
-  put_json_facts(report, out);
-  fprintf(out, ",\"extents\":{");
+  hc_json json;
+  hc_json_begin(&json, out, false);
+  hc_json_object(&json, NULL, HC_JSON_DENSE);
+  put_json_facts(report, &json);
+  hc_json_object(&json, "extents", HC_JSON_DENSE);
   for (int kind = 0; kind < HC_INFO_KINDS; kind++)
-    hc_text_json_extent(out, kind ? "," : "", kind_names[kind], report->extent[kind].count > 0,
-                        report->extent[kind].low, report->extent[kind].high);
-  fprintf(out, "},\"fields\":[");
-  for (int k = 0; k < report->file.field_count; k++) {
-    if (k) fprintf(out, ",");
-    put_json_field(&report->file.fields[k], &report->fields[k], out);
-  }
-  fprintf(out, "]}\n");
+    hc_json_extent(&json, kind_names[kind], report->extent[kind].count > 0, report->extent[kind].low,
+                   report->extent[kind].high);
+  hc_json_end(&json);
+  hc_json_list(&json, "fields", HC_JSON_DENSE);
+  for (int k = 0; k < report->file.field_count; k++)
+    put_json_field(&report->file.fields[k], &report->fields[k], &json);
+  hc_json_end(&json);
+  hc_json_end(&json);
 }

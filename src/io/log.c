@@ -52,6 +52,15 @@ void hc_log_info(hc_log *log, const char *format, ...) {
   put_line(log, "info", text);
 }
 
+static void warn(hc_log *log, const char *format, const char *text) {
+  put_line(log, "warning", text);
+  if (!log->echo || !first_of_kind(log, format)) return;
+  const bool terminal = isatty(fileno(log->echo)) != 0;
+  /* On a terminal a progress line may stand there: clear it. */
+  fprintf(log->echo, "%shalocline: warning: %s\n", terminal ? "\r\033[K" : "", text);
+  fflush(log->echo);
+}
+
 void hc_log_warn(hc_log *log, const char *format, ...) {
   if (!log->file) return;
   char text[LINE];
@@ -59,12 +68,29 @@ void hc_log_warn(hc_log *log, const char *format, ...) {
   va_start(arguments, format);
   vsnprintf(text, sizeof text, format, arguments);
   va_end(arguments);
-  put_line(log, "warning", text);
-  if (!log->echo || !first_of_kind(log, format)) return;
-  const bool terminal = isatty(fileno(log->echo)) != 0;
-  /* On a terminal a progress line may stand there: clear it. */
-  fprintf(log->echo, "%shalocline: warning: %s\n", terminal ? "\r\033[K" : "", text);
-  fflush(log->echo);
+  warn(log, format, text);
+}
+
+enum { TOLD = 10 }; /* warnings of a kind, before only powers of ten are */
+
+static bool is_told(int64_t number) {
+  if (number <= TOLD) return true;
+  while (number % 10 == 0) number /= 10;
+  return number == 1;
+}
+
+void hc_log_warn_counted(hc_log *log, int64_t number, const char *format, ...) {
+  if (!log->file || !is_told(number)) return;
+  char text[LINE];
+  va_list arguments;
+  va_start(arguments, format);
+  const int length = vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  const size_t used = length < LINE ? (size_t)length : sizeof text - 1;
+  if (number == TOLD)
+    snprintf(text + used, sizeof text - used, "; further ones are counted, and told at 100, 1000 and so on");
+  if (number > TOLD) snprintf(text + used, sizeof text - used, "; the %lldth of its kind", (long long)number);
+  warn(log, format, text);
 }
 
 hc_status hc_log_close(hc_log *log, hc_error *error) {

@@ -30,6 +30,11 @@ hc_status hc_log_open(hc_log *log, const char *directory, bool append, hc_error 
 void hc_log_info(hc_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void hc_log_warn(hc_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* The warning of its kind with this number, from 1: the first ten are told, then the 100th, the 1000th and so
+ * on, so that what happens in every step does not fill the log either. The caller counts. */
+void hc_log_warn_counted(hc_log *log, int64_t number, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
 /* HC_IO_FAILED if a line could not be written. A run goes on without its log; this is where it learns. */
 hc_status hc_log_close(hc_log *log, hc_error *error);
 

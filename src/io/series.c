@@ -1,6 +1,7 @@
 #include "series.h"
 
 #include "atomic_file.h"
+#include "json.h"
 #include "text.h"
 
 #include <errno.h>
@@ -9,10 +10,13 @@
 #include <string.h>
 #include <unistd.h>
 
-static void put_entry(FILE *stream, bool first, int number, double time) {
-  char text[HC_TEXT_NUMBER];
-  fprintf(stream, "%s  {\"name\":\"snap_%06d.hdf\",\"time\":%s}", first ? "" : ",\n", number,
-          hc_text_json_number(text, time));
+static void put_entry(hc_json *json, int number, double time) {
+  char name[32];
+  snprintf(name, sizeof name, "snap_%06d.hdf", number);
+  hc_json_object(json, NULL, HC_JSON_DENSE);
+  hc_json_string(json, "name", name);
+  hc_json_number(json, "time", time);
+  hc_json_end(json);
 }
 
 /* The series with its entries before `number`, and one more of that number and time unless `cut`. */
@@ -22,8 +26,11 @@ static hc_status rewrite(const char *directory, int number, bool cut, double tim
   hc_status status = hc_text_path(path, error, "%s/run.hdf.series", directory);
   if (status == HC_OK) status = hc_atomic_file_begin(&file, directory, "run.hdf.series", error);
   if (status != HC_OK) return status;
-  fprintf(file.stream, "{\"file-series-version\":\"1.0\",\"files\":[\n");
-  bool first = true;
+  hc_json json;
+  hc_json_begin(&json, file.stream, false);
+  hc_json_object(&json, NULL, HC_JSON_DENSE);
+  hc_json_string(&json, "file-series-version", "1.0");
+  hc_json_list(&json, "files", HC_JSON_LINES);
   FILE *old = fopen(path, "r");
   bool lost = !old && errno != ENOENT; /* entries that are there but cannot be read are not dropped */
   if (old) {
@@ -32,9 +39,7 @@ static hc_status rewrite(const char *directory, int number, bool cut, double tim
       int old_number = 0;
       double old_time = 0;
       if (sscanf(line, " {\"name\":\"snap_%d.hdf\",\"time\":%lf}", &old_number, &old_time) != 2) continue;
-      if (old_number >= number) continue;
-      put_entry(file.stream, first, old_number, old_time);
-      first = false;
+      if (old_number < number) put_entry(&json, old_number, old_time);
     }
     lost = ferror(old) != 0;
     fclose(old);
@@ -43,8 +48,9 @@ static hc_status rewrite(const char *directory, int number, bool cut, double tim
     hc_atomic_file_abandon(&file);
     return hc_error_set(error, HC_IO_FAILED, "cannot read %s: %s", path, strerror(errno ? errno : EIO));
   }
-  if (!cut) put_entry(file.stream, first, number, time);
-  fprintf(file.stream, "\n]}\n");
+  if (!cut) put_entry(&json, number, time);
+  hc_json_end(&json);
+  hc_json_end(&json);
   return hc_atomic_file_commit(&file, error);
 }
 

@@ -10,6 +10,7 @@
 
 #include <stdint.h>
 #include <stdio.h>
+#include <sys/types.h>
 
 /* A row of steps.csv: the physics. */
 typedef struct hc_step_row {
@@ -36,6 +37,7 @@ typedef struct hc_load_row {
 
 typedef struct hc_table {
   FILE *stream;
+  off_t rows; /* where they begin, behind the line of names */
   char path[HC_TEXT_PATH];
 } hc_table;
 
@@ -57,8 +59,8 @@ hc_status hc_tables_add_load(hc_tables *tables, const hc_load_row *row, hc_error
 hc_status hc_tables_add_gauges(hc_tables *tables, double time, const double *values, int count,
                                hc_error *error);
 
-/* Takes rows back: those of steps after last_step, and those of gauges.csv after last_time. HC_IO_FAILED as
- * above. */
+/* Takes rows back: those of steps after last_step, and those of gauges.csv after last_time; reads no more
+ * than what is taken back and some 64 kB. HC_IO_FAILED as above. */
 hc_status hc_tables_cut(hc_tables *tables, int64_t last_step, double last_time, hc_error *error);
 
 /* Brings all rows to disk. */

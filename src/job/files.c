@@ -234,10 +234,24 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
   return hc_comm_agree(job->comm, error);
 }
 
+/* Of the whole run, restarts included: the log tells not all of them. */
+static void tell_warnings(hc_job *job) {
+  const hc_job_counts *counts = &job->counts;
+  if (counts->density_caps + counts->divergence_caps + counts->compressed_steps + counts->departed == 0)
+    return;
+  hc_log_info(
+      &job->log,
+      "warnings in all: density solver at its cap %lld, divergence solver at its cap %lld, density off "
+      "%lld, particles that left %lld",
+      (long long)counts->density_caps, (long long)counts->divergence_caps,
+      (long long)counts->compressed_steps, (long long)counts->departed);
+}
+
 void hc_job_close_files(hc_job *job, hc_error *error) {
   hc_error closing = {.status = HC_OK};
   if (job->comm->rank == 0) {
     hc_tables_close(&job->tables, &closing);
+    tell_warnings(job);
     job->log.echo = NULL; /* the program says it at its end */
     if (error->status != HC_OK) hc_log_warn(&job->log, "the run failed: %s", error->text);
     hc_log_close(&job->log, closing.status == HC_OK ? &closing : NULL);

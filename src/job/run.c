@@ -127,7 +127,7 @@ static hc_job_load measure_load(hc_job *job, int64_t bytes_before) {
                        (int)largest[3], largest[4] != 0, largest[5] != 0};
 }
 
-/* Particles that were taken out: the first ten of a run one by one, then how many. */
+/* Particles that were taken out: the first ten of a run one by one, then how many in a step. */
 static void tell_departures(hc_job *job, char *event, size_t size) {
   const hc_departures *departures = &job->simulation.population.departures;
   const long long step = (long long)job->simulation.step;
@@ -138,8 +138,9 @@ static void tell_departures(hc_job *job, char *event, size_t size) {
                 step, (long long)departures->first[told].id, departures->first[told].at[0],
                 departures->first[told].at[1], departures->first[told].at[2]);
   if (told < departures->count)
-    hc_log_warn(&job->log, "step %lld: %lld particles have left the world; removed", step,
-                (long long)departures->count);
+    hc_log_warn_counted(&job->log, ++job->counts.departed - HC_LEAVING_NAMED,
+                        "step %lld: %lld particles have left the world; removed", step,
+                        (long long)departures->count);
   snprintf(event + strlen(event), size - strlen(event), "%sremoved:%lld", event[0] ? "+" : "",
            (long long)departures->count);
 }
@@ -166,22 +167,25 @@ static void judge_step(hc_job *job, char *event, size_t size) {
   if (report->density_capped) {
     job->counts.density_caps++;
     snprintf(event, size, "density_cap");
-    hc_log_warn(&job->log,
-                "step %lld: density solver at its cap of %d iterations, average error %.3g, allowed %.3g",
-                (long long)simulation->step, report->density_iterations, report->density_error_avg,
-                simulation->solver_settings.density_error_avg);
+    hc_log_warn_counted(
+        &job->log, job->counts.density_caps,
+        "step %lld: density solver at its cap of %d iterations, average error %.3g, allowed %.3g",
+        (long long)simulation->step, report->density_iterations, report->density_error_avg,
+        simulation->solver_settings.density_error_avg);
   }
   if (report->divergence_capped) {
     job->counts.divergence_caps++;
     snprintf(event + strlen(event), size - strlen(event), "%sdivergence_cap", event[0] ? "+" : "");
-    hc_log_warn(&job->log, "step %lld: divergence solver at its cap of %d iterations",
-                (long long)simulation->step, report->divergence_iterations);
+    hc_log_warn_counted(&job->log, job->counts.divergence_caps,
+                        "step %lld: divergence solver at its cap of %d iterations",
+                        (long long)simulation->step, report->divergence_iterations);
   }
   if (report->density_error_max > HC_JOB_MOST_COMPRESSION) {
     job->counts.compressed_steps++;
-    hc_log_warn(&job->log, "step %lld: a particle's density is off by %.3g %%, more than %g %%",
-                (long long)simulation->step, 100.0 * report->density_error_max,
-                100.0 * HC_JOB_MOST_COMPRESSION);
+    hc_log_warn_counted(&job->log, job->counts.compressed_steps,
+                        "step %lld: a particle's density is off by %.3g %%, more than %g %%",
+                        (long long)simulation->step, 100.0 * report->density_error_max,
+                        100.0 * HC_JOB_MOST_COMPRESSION);
   }
   tell_departures(job, event, size);
   if (simulation->rollback.before > 0)

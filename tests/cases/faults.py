@@ -139,6 +139,23 @@ def removed(case, _):
     return f"{1920 - total} particles that left were removed, on 1, 3 and 4 ranks"
 
 
+def counted(case, _):
+    """A warning of many steps is told ten times, then seldom; its count goes on in a restart, and the end has the total."""
+    settings = ("particle_spacing=0.05", "support_radius=0.1", "solver.density_iterations={min: 2, max: 2}",
+                "solver.density_error_avg=1e-9", "output.snapshots.every=1")
+    output = case.run("scenes/dam_break.yaml", "counted", 2, settings, ["--steps", 60])
+    again = [argument for setting in settings for argument in ("--set", setting)]
+    case.call(["run", c.SOURCE / "scenes/dam_break.yaml", "-o", output, "--quiet", "--restart", "--steps", 130, *again], 3)
+    log = (output / "run.log").read_text(encoding="utf-8")
+    capped = sum("density_cap" in row["event"] for row in c.steps(output))
+    told = re.findall(r"warning step (\d+): density solver at its cap", log)
+    c.expect(100 <= capped < 1000 and len(told) == 11, f"{capped} steps at the cap, told {told}")
+    c.expect("; further ones are counted" in log and "; the 100th of its kind" in log, "the log does not say that it counts")
+    totals = re.findall(r"warnings in all: density solver at its cap (\d+)", log)
+    c.expect(len(totals) == 2 and int(totals[1]) == capped, f"totals {totals}, not {capped}")
+    return f"{capped} steps at the solver's cap are told {len(told)} times, over a restart"
+
+
 def memory(case, _):
     """One rank of three runs out of memory: a message, exit code 1, and nobody waits."""
     scene = case.folder / "scene.yaml"
@@ -154,4 +171,5 @@ def memory(case, _):
 
 
 if __name__ == "__main__":
-    c.main(__doc__, {"named": named, "plotted": plotted, "unwritable": unwritable, "removed": removed, "memory": memory})
+    c.main(__doc__, {"named": named, "plotted": plotted, "unwritable": unwritable, "removed": removed, "counted": counted,
+                    "memory": memory})

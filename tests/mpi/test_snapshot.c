@@ -357,7 +357,7 @@ START_TEST(short_memory_is_an_error) {
   ck_assert(file && fscanf(file, "%ld", &pages) == 1);
   fclose(file);
   if (comm.rank == comm.size - 1) /* one rank is enough */
-    tight.rlim_cur = (rlim_t)pages * (rlim_t)sysconf(_SC_PAGESIZE) + (32 << 20);
+    tight.rlim_cur = (rlim_t)pages * (rlim_t)sysconf(_SC_PAGESIZE) + (16 << 20);
   setrlimit(RLIMIT_AS, &tight);
   hc_error error;
   const hc_status status = write_snapshot(0, &error);

@@ -1,6 +1,7 @@
 /* The plain files of a run: tables, log, progress, timings, series, run directory. */
 #include "base/memory.h"
 #include "comm/comm.h"
+#include "io/json.h"
 #include "io/log.h"
 #include "io/progress.h"
 #include "io/run_dir.h"
@@ -75,7 +76,6 @@ START_TEST(numbers_round_trip) {
   ck_assert_str_eq(hc_text_number(text, -0.0), "-0");
   ck_assert_str_eq(hc_text_number(text, NAN), "nan");
   ck_assert_str_eq(hc_text_number(text, -INFINITY), "-inf");
-  ck_assert_str_eq(hc_text_json_number(text, INFINITY), "null");
   uint64_t bits = 12345;
   bool good = true;
   for (int k = 0; k < 10000; k++) {
@@ -179,6 +179,66 @@ START_TEST(tables_take_rows_back) {
 }
 END_TEST
 
+/* Bytes that this process has read. */
+static long long bytes_read(void) {
+  FILE *file = fopen("/proc/self/io", "r");
+  long long bytes = 0;
+  ck_assert(file && fscanf(file, "rchar: %lld", &bytes) == 1);
+  fclose(file);
+  return bytes;
+}
+
+START_TEST(long_tables_are_not_read_to_take_rows_back) {
+  enum { ROWS = 100000, CUTS = 20 };
+  hc_tables tables;
+  ck_assert_int_eq(hc_tables_open(&tables, directory, "", -1, 0, &error), HC_OK);
+  for (int64_t step = 1; step <= ROWS; step++) {
+    const hc_step_row row = step_row(step);
+    ck_assert_int_eq(hc_tables_add_step(&tables, &row, &error), HC_OK);
+  }
+  const long long before = bytes_read();
+  for (int k = 1; k <= CUTS; k++) ck_assert_int_eq(hc_tables_cut(&tables, ROWS - 2 * k, 0, &error), HC_OK);
+  ck_assert_int_lt(bytes_read() - before, CUTS * 200000);
+  char last[256];
+  for (int64_t step = ROWS - 2 * CUTS; step > 0; step = step / 3 - 10) { /* also far back */
+    ck_assert_int_eq(hc_tables_cut(&tables, step, 0, &error), HC_OK);
+    FILE *file = fopen(in("steps.csv"), "r");
+    int64_t rows = -1;
+    while (fgets(last, sizeof last, file)) rows++;
+    fclose(file);
+    ck_assert_int_eq(rows, step);
+    ck_assert_int_eq(atoll(last), step);
+  }
+  ck_assert_int_eq(hc_tables_cut(&tables, 0, 0, &error), HC_OK);
+  ck_assert_str_eq(strchr(content("steps.csv"), '\n'), "\n");
+  ck_assert_int_eq(hc_tables_close(&tables, &error), HC_OK);
+}
+END_TEST
+
+START_TEST(rows_longer_than_a_window_are_taken_back) {
+  enum { COLUMNS = 10000 };
+  char *names = hc_alloc_zero(3 * COLUMNS, 1);
+  double *values = hc_alloc(COLUMNS, sizeof *values);
+  for (int k = 0; k < COLUMNS; k++) {
+    strcat(names + 2 * k, ",x");
+    values[k] = 1.0 / (k + 3);
+  }
+  hc_tables tables;
+  ck_assert_int_eq(hc_tables_open(&tables, directory, names, -1, 0, &error), HC_OK);
+  for (int row = 1; row <= 4; row++)
+    ck_assert_int_eq(hc_tables_add_gauges(&tables, row, values, COLUMNS, &error), HC_OK);
+  struct stat two, whole;
+  ck_assert_int_eq(stat(in("gauges.csv"), &whole), 0);
+  ck_assert_int_gt(whole.st_size, 4 * (2 << 16));
+  ck_assert_int_eq(hc_tables_cut(&tables, 0, 2.5, &error), HC_OK);
+  ck_assert_int_eq(stat(in("gauges.csv"), &two), 0);
+  ck_assert_int_eq(whole.st_size - two.st_size, two.st_size - (4 + 2 * COLUMNS + 1)); /* two rows of four */
+  ck_assert_int_eq(hc_tables_close(&tables, &error), HC_OK);
+  hc_free(names);
+  hc_free(values);
+}
+END_TEST
+
 START_TEST(a_full_disk_ends_a_table) {
   hc_tables tables;
   ck_assert_int_eq(symlink("/dev/full", in("load.csv")), 0);
@@ -241,6 +301,54 @@ START_TEST(progress_tells_the_run) {
                 "%s", text);
   ck_assert_ptr_eq(strchr(text, '\n'), text + strlen(text) - 1);
   ck_assert(!hc_progress_on_terminal(stdin) || isatty(0));
+}
+END_TEST
+
+START_TEST(warnings_of_a_kind_become_rare) {
+  hc_log log;
+  ck_assert_int_eq(hc_log_open(&log, directory, false, &error), HC_OK);
+  FILE *echo = log.echo = tmpfile();
+  for (int64_t number = 1; number <= 12345; number++)
+    hc_log_warn_counted(&log, number, "step %d: too much", (int)number + 7);
+  ck_assert_int_eq(hc_log_close(&log, &error), HC_OK);
+  const char *text = content("run.log");
+  int lines = 0;
+  for (const char *c = text; *c; c++) lines += *c == '\n';
+  ck_assert_int_eq(lines, 13); /* 1 to 10, 100, 1000, 10000 */
+  ck_assert_msg(strstr(text, "warning step 8: too much\n") &&
+                    strstr(text, "warning step 17: too much; further ones are counted") &&
+                    !strstr(text, "step 18:") &&
+                    strstr(text, "warning step 1007: too much; the 1000th of its kind\n"),
+                "%s", text);
+  ck_assert_int_eq(ftell(echo), strlen("halocline: warning: step 8: too much\n"));
+  fclose(echo);
+}
+END_TEST
+
+START_TEST(json_has_commas_lines_and_escapes) {
+  hc_json json;
+  FILE *file = fopen(in("x.json"), "w");
+  hc_json_begin(&json, file, false);
+  hc_json_object(&json, NULL, HC_JSON_DENSE);
+  hc_json_string(&json, "a\"\\", "line\nend \x7f \u00e9");
+  hc_json_list(&json, "b", HC_JSON_LINES);
+  hc_json_number(&json, NULL, 0.1);
+  hc_json_number(&json, NULL, NAN);
+  hc_json_null(&json, NULL);
+  hc_json_end(&json);
+  hc_json_list(&json, "c", HC_JSON_DENSE);
+  hc_json_end(&json);
+  hc_json_id(&json, "d", UINT64_MAX);
+  hc_json_integer(&json, "e", INT64_MIN);
+  hc_json_extent(&json, "f", false, NULL, NULL);
+  hc_json_bool(&json, "g", false);
+  hc_json_end(&json);
+  fclose(file);
+  ck_assert(is_json(in("x.json")));
+  ck_assert_str_eq(content("x.json"),
+                   "{\"a\\\"\\\\\":\"line\\u000aend \\u007f \u00e9\",\"b\":[\n  0.1,\n  null,\n"
+                   "  null\n],\"c\":[],\"d\":18446744073709551615,\"e\":-9223372036854775808,"
+                   "\"f\":null,\"g\":false}\n");
 }
 END_TEST
 
@@ -333,10 +441,14 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, tables_hold_their_rows);
   tcase_add_test(tests, tables_go_on_after_a_restart);
   tcase_add_test(tests, tables_take_rows_back);
+  tcase_add_test(tests, long_tables_are_not_read_to_take_rows_back);
+  tcase_add_test(tests, rows_longer_than_a_window_are_taken_back);
   tcase_add_test(tests, a_full_disk_ends_a_table);
   tcase_add_test(tests, other_ranks_tables_and_logs_do_nothing);
   tcase_add_test(tests, a_log_echoes_a_kind_of_warning_once);
   tcase_add_test(tests, progress_tells_the_run);
+  tcase_add_test(tests, warnings_of_a_kind_become_rare);
+  tcase_add_test(tests, json_has_commas_lines_and_escapes);
   tcase_add_test(tests, timings_are_valid_json);
   tcase_add_test(tests, the_series_grows_and_turns_back);
   tcase_add_test(tests, a_run_directory_is_made_with_its_parents);
