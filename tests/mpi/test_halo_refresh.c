@@ -218,13 +218,13 @@ END_TEST
 
 /* ---- two halos ---- */
 
-/* Both have as many partners as there are, and every rank ends them in an order of its own. */
+/* Both have as many partners as there are, and every rank begins and ends them in an order of its own. */
 START_TEST(two_halos_may_be_under_way) {
   placed p[2];
   placed_init(&p[0], &regions[3], 0);
   placed_init(&p[1], &regions[8], 1);
   for (int round = 0; round < 12; round++) {
-    const int quarters = round % 3 + 1, first = round & 1, ended = (comm.rank + round / 2) & 1;
+    const int quarters = round % 3 + 1, first = (comm.rank + round) & 1, ended = (comm.rank + round / 2) & 1;
     const hc_field_set fields[2] = {set_of(1 + round * 5 % (SETS - 1)), set_of(SETS - 1 - round)};
     uint64_t *chosen = choose(&p[1], quarters, round);
     for (int k = 0; k < 2; k++) {
