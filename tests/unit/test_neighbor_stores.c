@@ -181,13 +181,13 @@ END_TEST
 
 /* A run that has broken down must not hang: its steps come to an end. */
 START_TEST(overfull_cells_take_no_time) {
-  enum { FULL = 50000 };
+  enum { FULL = 150000 };
   static const double size[3] = {1, 1, 1};
   set cloud;
   set_init(&cloud, HC_FLUID);
   scatter(&cloud, 3, 0, size, nowhere, nowhere);
   hc_particles_resize(&cloud.particles, FULL);
-  for (int32_t k = 0; k < FULL; k++) cloud.particles.id[k] = mix((uint64_t)k) >> 8;
+  for (int32_t k = 0; k < FULL; k++) cloud.particles.id[k] = (uint64_t)(FULL - k);
   crowd_into(&cloud, 0, FULL, -3);
   const clock_t begin = clock();
   sort(&cloud);
