@@ -8,9 +8,9 @@
  *
  * Use, each step: hc_cells_bin; hc_halo_mark; hc_cells_order; hc_halo_build. Then refreshes, of any rows of
  * fields.def that ghosts have, by name and several in one message, of all particles or of a selection; and
- * folds, which go the other way: what ghosts have gathered comes back to the owner. Each halo has a tag of
- * its own, so that two may be under way at once. While a field is, the store says so (under_way) and sweeps
- * refuse to read it. */
+ * folds, which go the other way: what ghosts have gathered in some array comes back to the owner. Each halo
+ * has a tag of its own, so that two may be under way at once. While a field is, the store says so (under_way)
+ * and sweeps refuse to read it. */
 #ifndef HC_HALO_H
 #define HC_HALO_H
 
@@ -72,10 +72,11 @@ void hc_halo_refresh(hc_halo *halo, hc_field_set fields);
 void hc_halo_begin_some(hc_halo *halo, hc_field_set fields, const uint64_t *chosen);
 void hc_halo_end_some(hc_halo *halo, uint64_t *selected);
 
-/* Takes ghosts' values of a field of plain numbers (no record) back to their owners: each own particle gets
- * the least of its own value and those of its copies, component by component, which is the same in any order.
- * Ghosts keep theirs; refresh them if they must know. Collective among partners. */
-void hc_halo_fold_least(hc_halo *halo, hc_field_id field);
+/* Takes ghosts' values back to their owners: each own particle gets the least of its own and those of its
+ * copies, component by component, which is the same in any order. `values` has `components` plain numbers (no
+ * records) for each own particle and each ghost. Ghosts keep theirs; refresh them if they must know.
+ * Collective among partners. */
+void hc_halo_fold_least(hc_halo *halo, hc_field_type type, int components, void *values);
 
 /* What to add to the low words of positions in a copy of a cell. Local. */
 static inline void hc_halo_shift(const hc_halo *halo, const hc_halo_cell *cell, uint32_t shift[3]) {

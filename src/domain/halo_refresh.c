@@ -281,36 +281,46 @@ static void take_least(hc_field_type type, int components, void *value, const ch
 #undef HC_LEAST
 }
 
-void hc_halo_fold_least(hc_halo *halo, hc_field_id field) {
-  HC_CHECK(!halo->fields, "one exchange at a time");
-  const hc_field_info *info = &hc_fields[field];
-  column columns[MOST_COLUMNS];
-  find_columns(halo->particles, (hc_field_set)1 << field, columns);
-  const column column = columns[0];
-  HC_CHECK(info->type != HC_TYPE_record, "only plain numbers can be folded, %s is a record", info->name);
-  /* the messages of a refresh, the other way round */
-  make_buffers(halo, info->bytes, false);
-  expect_messages(halo, info->bytes, false);
+static size_t size_of(hc_field_type type) {
+  static const size_t sizes[] = {
+#define HC_SIZE(name) [HC_TYPE_##name] = sizeof(hc_field_##name)
+      HC_SIZE(i64), HC_SIZE(u64), HC_SIZE(f64), HC_SIZE(f32), HC_SIZE(record)
+#undef HC_SIZE
+  };
+  return sizes[type];
+}
+
+/* The messages of a refresh, the other way round. */
+static void send_back(hc_halo *halo, const column *column) {
+  make_buffers(halo, column->bytes, false);
+  expect_messages(halo, column->bytes, false);
   char *to = halo->send_buffer;
   for (int partner = 0; partner < halo->send_count; partner++) {
     halo->send[partner].data = to;
-    halo->send[partner].bytes = (size_t)halo->copies[partner] * info->bytes;
+    halo->send[partner].bytes = (size_t)halo->copies[partner] * column->bytes;
     to += halo->send[partner].bytes;
   }
   for (int m = 0; m < halo->receive_count; m++)
-    pack_rows(halo->receive[m].data, &column, halo->particles->own + halo->ghost_begin[m],
+    pack_rows(halo->receive[m].data, column, halo->particles->own + halo->ghost_begin[m],
               halo->ghost_begin[m + 1] - halo->ghost_begin[m]);
   halo->exchange = (hc_exchange){
       halo->receive_count, halo->send_count, halo->receive, halo->send, halo->requests, NULL, 0};
   hc_comm_exchange_begin(halo->domain->comm, &halo->exchange, halo->tag);
   hc_comm_exchange_end(halo->domain->comm, &halo->exchange);
+}
+
+void hc_halo_fold_least(hc_halo *halo, hc_field_type type, int components, void *values) {
+  HC_CHECK(!halo->fields, "one exchange at a time");
+  HC_CHECK(type != HC_TYPE_record, "only plain numbers can be folded");
+  const size_t bytes = (size_t)components * size_of(type);
+  send_back(halo, &(column){values, bytes, bytes, false});
   for (int partner = 0; partner < halo->send_count; partner++) {
     const char *from = halo->send[partner].data;
     for (int32_t k = halo->send_begin[partner]; k < halo->send_begin[partner + 1]; k++) {
       int32_t begin, count;
       rows_of(halo, &halo->cells[k], &begin, &count);
-      for (int32_t i = begin; i < begin + count; i++, from += info->bytes)
-        take_least(info->type, info->components, column.data + column.stride * (size_t)i, from);
+      for (int32_t i = begin; i < begin + count; i++, from += bytes)
+        take_least(type, components, (char *)values + bytes * (size_t)i, from);
     }
   }
 }

@@ -68,7 +68,7 @@ typedef enum change_mode { SET_CHANGE, ADD_CHANGE } change_mode;
 HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls_are, change_mode mode,
                        float weight, float *change, hc_selection selection) {
   const hc_particles *fluid = sweep->fluid;
-  expect_ready(fluid, HC_WHOLE(place) | HC_WHOLE(motion), fluid, selection);
+  expect_ready(fluid, HC_WHOLE(place) | HC_WHOLE(motion) | HC_SCALAR(motion), fluid, selection);
   expect_walls(sweep);
   const hc_float volume = hc_set(sweep->volume);
   const bool walls_take_part =

@@ -134,7 +134,7 @@ void HC_ISA_SYMBOL(hc_predicted_density)(const hc_sweep *sweep, const hc_predict
 void HC_ISA_SYMBOL(hc_corrected_density)(const hc_sweep *sweep, const hc_prediction *prediction,
                                          hc_selection selection, hc_error_total *total) {
   hc_particles *fluid = sweep->fluid;
-  expect_ready(fluid, HC_WHOLE(place), fluid, selection);
+  expect_ready(fluid, HC_WHOLE(place) | HC_WHOLE(motion) | HC_SCALAR(motion), fluid, selection);
   expect_walls(sweep);
   block_sums kernels;
   float share[BLOCK];
@@ -234,6 +234,7 @@ void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_
                                 hc_selection selection) {
   const bool plane = rule == HC_CONTACT_DISTANCE;
   const float steepness = plane ? 1.0f : sweep->support / sweep->reach;
+  expect_walls(sweep);
   block_planes planes;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
@@ -257,6 +258,7 @@ void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_
 
 void HC_ISA_SYMBOL(hc_wall_velocities)(const hc_sweep *sweep, hc_record *velocities, hc_selection selection) {
   const float steepness = sweep->support / sweep->reach;
+  expect_walls(sweep);
   block_planes planes;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);

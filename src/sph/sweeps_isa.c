@@ -180,6 +180,7 @@ static void pressure(const hc_sweep *sweep, float weight, float *multiplier, hc_
 
 static void boundary_volume(const hc_sweep *sweep, hc_particles *boundary, const hc_neighbors *list,
                             float factor) {
+  expect_ready(boundary, HC_WHOLE(place), boundary, hc_select_all(boundary));
   block_sums kernels;
   for (int32_t first = 0; first < boundary->own; first += BLOCK) {
     const int32_t count = block_size(first, boundary->own);

@@ -159,6 +159,58 @@ START_TEST(the_worst_particle_is_named) {
 }
 END_TEST
 
+/* ---- an overfull cell ---- */
+
+/* Puts all but some of the particles at rest into one cell. */
+enum { CROWD = 20 * 16 * 16, NOT_IN_IT = 700 };
+
+static void squeeze(hc_simulation *simulation) {
+  hc_particles *fluid = simulation->world.fluid;
+  for (int32_t k = 0; k < fluid->own; k++) {
+    if (fluid->id[k] < NOT_IN_IT) continue;
+    for (int axis = 0; axis < 3; axis++) {
+      fluid->position[3 * k + axis] =
+          simulation->world.frame.origin[axis] + 3 * HC_CELL_UNITS +
+          (int64_t)(mix(3 * fluid->id[k] + (uint64_t)axis) >> (64 - HC_CELL_BITS));
+      fluid->velocity[3 * k + axis] = 0.0;
+    }
+  }
+}
+
+static void squeeze_and_step(hc_comm *ranks, hc_error *error) {
+  const hc_scene scene = make_scene(0.4, 0.32, 0.32);
+  hc_simulation simulation;
+  memset(error, 0, sizeof *error);
+  start_on(&simulation, ranks, &scene);
+  do_steps(&simulation, 1);
+  squeeze(&simulation);
+  ck_assert_int_eq(hc_simulation_step(&simulation, error), HC_FAILED);
+  ck_assert_int_eq(simulation.report.fault.kind, HC_FAULT_CROWDED);
+  ck_assert_uint_eq(simulation.report.fault.id, NOT_IN_IT);
+  ck_assert_int_eq(simulation.step, 1);
+  hc_simulation_free(&simulation);
+}
+
+START_TEST(far_too_many_particles_in_one_cell) {
+  hc_error error, alone;
+  squeeze_and_step(&comm, &error);
+  char expected[128];
+  snprintf(expected, sizeof expected, "more than %d particles lie in one cell with particle %d", HC_CELL_MOST,
+           NOT_IN_IT);
+  ck_assert_msg(strstr(error.text, expected) != NULL, "%s", error.text);
+  if (comm.rank == 0) {
+    hc_comm self;
+    memset(&self, 0, sizeof self);
+    MPI_Comm_dup(MPI_COMM_SELF, &self.mpi);
+    self.size = 1;
+    squeeze_and_step(&self, &alone);
+    hc_comm_finish(&self);
+  }
+  hc_comm_broadcast(&comm, &alone, sizeof alone, 0);
+  EXPECT(strcmp(alone.text, error.text) == 0);
+}
+END_TEST
+
 /* ---- leaving the world ---- */
 
 static void tilt_out(hc_scene *scene) {
@@ -220,6 +272,7 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, a_particle_too_fast_for_its_neighborhood);
   tcase_add_test(tests, a_speed_that_the_solver_made);
   tcase_add_test(tests, the_worst_particle_is_named);
+  tcase_add_test(tests, far_too_many_particles_in_one_cell);
   tcase_add_test(tests, particles_that_leave_end_the_run);
   tcase_add_test(tests, particles_that_leave_are_removed);
   return run_mpi_tests("faults", tests);

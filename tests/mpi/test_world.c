@@ -275,10 +275,26 @@ START_TEST(a_rebalance_is_forced_and_loses_nothing) {
 }
 END_TEST
 
+/* A run has the fields of its own solver and walls. */
+START_TEST(a_run_carries_what_it_needs) {
+  for (int pcisph = 0; pcisph < 2; pcisph++) {
+    hc_scene scene = make_scene(0.08, 0.08, 0.08);
+    scene.solver.method = pcisph ? HC_SOLVER_PCISPH : HC_SOLVER_DFSPH;
+    hc_simulation simulation;
+    start(&simulation, &scene);
+    const hc_particles *fluid = simulation.world.fluid;
+    ck_assert((fluid->push != NULL) == pcisph && (fluid->alpha != NULL) == !pcisph);
+    ck_assert((fluid->pressure_multiplier != NULL) == !pcisph && !fluid->wall_rate);
+    hc_simulation_free(&simulation);
+  }
+}
+END_TEST
+
 int main(int argc, char **argv) {
   hc_comm_start(&comm, &argc, &argv);
   TCase *tests = tcase_create("world");
   tcase_set_timeout(tests, 100);
+  tcase_add_test(tests, a_run_carries_what_it_needs);
   tcase_add_test(tests, a_closed_box_keeps_its_momentum);
   tcase_add_test(tests, a_free_block_falls_without_pressure);
   tcase_add_test(tests, a_closed_box_has_the_same_bits_on_one_rank);

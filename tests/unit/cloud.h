@@ -14,7 +14,7 @@ static const double H = 0.04, REST_DENSITY = 1000.0, VOLUME = 8e-6, PI = 3.14159
 static const double TOLERANCE = 1e-5; /* of the sum of the terms' magnitudes */
 
 /* splitmix64's mixer. */
-static uint64_t mix(uint64_t value) {
+static inline uint64_t mix(uint64_t value) {
   value += 0x9e3779b97f4a7c15;
   value = (value ^ value >> 30) * 0xbf58476d1ce4e5b9;
   value = (value ^ value >> 27) * 0x94d049bb133111eb;
@@ -22,7 +22,7 @@ static uint64_t mix(uint64_t value) {
 }
 
 /* In [-1, 1). */
-static double random_number(uint64_t seed) {
+static inline double random_number(uint64_t seed) {
   return (double)(int64_t)mix(seed) * 0x1p-63;
 }
 
@@ -35,7 +35,7 @@ typedef struct setting {
   hc_sweep sweep;
 } setting;
 
-static void setting_init(setting *s, double stretch_y) {
+static inline void setting_init(setting *s, double stretch_y) {
   memset(s, 0, sizeof *s);
   s->frame.support_radius = H;
   for (int axis = 0; axis < 3; axis++)
@@ -56,7 +56,7 @@ static void setting_init(setting *s, double stretch_y) {
   s->sweep.walls = &s->walls;
 }
 
-static void setting_free(setting *s) {
+static inline void setting_free(setting *s) {
   hc_particles_free(&s->fluid);
   hc_particles_free(&s->boundary);
   hc_cells_free(&s->cells);
@@ -68,7 +68,7 @@ static void setting_free(setting *s) {
 }
 
 /* Sorts both sets and finds all neighbours. The values of a particle follow from its id afterwards. */
-static void settle(setting *s) {
+static inline void settle(setting *s) {
   for (int32_t k = 0; k < s->fluid.own; k++) s->fluid.id[k] = (uint64_t)k;
   for (int32_t k = 0; k < s->boundary.own; k++) s->boundary.id[k] = (uint64_t)k;
   hc_cells_bin(&s->cells, &s->fluid);
@@ -90,22 +90,22 @@ static void settle(setting *s) {
   hc_neighbor_search_free(&search);
 }
 
-static double velocity_of(uint64_t id, int axis) {
+static inline double velocity_of(uint64_t id, int axis) {
   return 0.7 * random_number(5 * id + (uint64_t)axis);
 }
 /* Read only where walls move. */
 static inline double wall_velocity_of(uint64_t id, int axis) {
   return 0.5 * random_number(17 * id + (uint64_t)axis + 999);
 }
-static float kappa_of(uint64_t id) {
+static inline float kappa_of(uint64_t id) {
   return (float)(1e-6 * random_number(11 * id + 3));
 }
-static float boundary_volume_of(uint64_t id) {
+static inline float boundary_volume_of(uint64_t id) {
   return (float)(VOLUME * (0.7 + 0.3 * random_number(13 * id)));
 }
 
 /* Puts every value that sweeps change back to what it was. */
-static void set_values(setting *s) {
+static inline void set_values(setting *s) {
   for (int32_t k = 0; k < s->fluid.own; k++) {
     const uint64_t id = s->fluid.id[k];
     for (int axis = 0; axis < 3; axis++) {
@@ -124,7 +124,7 @@ static void set_values(setting *s) {
 }
 
 /* A cloud at about the rest density, a few particles alone and far away, and walls through the cloud. */
-static void make_cloud(setting *s, int32_t fluid, int32_t boundary) {
+static inline void make_cloud(setting *s, int32_t fluid, int32_t boundary) {
   setting_init(s, 1.07);
   hc_particles_resize(&s->fluid, fluid);
   hc_particles_resize(&s->boundary, boundary);
@@ -146,11 +146,11 @@ static void make_cloud(setting *s, int32_t fluid, int32_t boundary) {
 /* ---- the plain reference ---- */
 
 /* W and dW/dr as sweeps.h has them. */
-static double kernel(double r) {
+static inline double kernel(double r) {
   const double q = r / H, outer = fmax(1 - q, 0), inner = fmax(0.5 - q, 0);
   return 8 / (PI * H * H * H) * (2 * outer * outer * outer - 8 * inner * inner * inner);
 }
-static double slope(double r) {
+static inline double slope(double r) {
   const double q = r / H, outer = fmax(1 - q, 0), inner = fmax(0.5 - q, 0);
   return 8 / (PI * H * H * H * H) * (-6 * outer * outer + 24 * inner * inner);
 }
@@ -159,24 +159,25 @@ typedef struct vec {
   double x[3];
 } vec;
 
-static double dot(vec a, vec b) {
+static inline double dot(vec a, vec b) {
   return a.x[0] * b.x[0] + a.x[1] * b.x[1] + a.x[2] * b.x[2];
 }
-static double norm(vec a) {
+static inline double norm(vec a) {
   return sqrt(dot(a, a));
 }
-static void add(vec *sum, double factor, vec a) {
+static inline void add(vec *sum, double factor, vec a) {
   for (int axis = 0; axis < 3; axis++) sum->x[axis] += factor * a.x[axis];
 }
 
-static vec separation(const setting *s, const hc_particles *a, int32_t i, const hc_particles *b, int32_t j) {
+static inline vec separation(const setting *s, const hc_particles *a, int32_t i, const hc_particles *b,
+                             int32_t j) {
   vec d;
   for (int axis = 0; axis < 3; axis++)
     d.x[axis] = (double)(a->position[3 * i + axis] - b->position[3 * j + axis]) * s->frame.unit[axis];
   return d;
 }
 
-static vec gradient(vec x) {
+static inline vec gradient(vec x) {
   vec result = {{0, 0, 0}};
   const double r = norm(x);
   if (r > 0) add(&result, slope(r) / r, x);

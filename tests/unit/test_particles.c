@@ -217,6 +217,25 @@ START_TEST(permuting_moves_all_of_a_particle) {
 }
 END_TEST
 
+/* Of any size: nothing may be thrown together at the ends of what is moved at once. */
+START_TEST(permuting_works_for_any_size) {
+  for (int32_t count = 0; count < 40; count++)
+    for (int k = 0; k < KINDS; k++) {
+      int32_t order[40];
+      for (int32_t i = 0; i < count; i++) order[i] = count % 2 ? count - 1 - i : (i + count / 2) % count;
+      hc_particles particles;
+      hc_particles_init(&particles, kinds[k], HC_FOR_ALL);
+      hc_particles_resize(&particles, count);
+      fill_all(&particles, 0, count);
+      hc_particles_permute(&particles, order, count);
+      for (int field = 0; field < HC_FIELD_COUNT; field++)
+        for (int32_t i = 0; i < count && is_carried(kinds[k], field); i++)
+          ck_assert(holds(&particles, field, i, (uint64_t)order[i]));
+      hc_particles_free(&particles);
+    }
+}
+END_TEST
+
 START_TEST(packed_particles_come_back_elsewhere) {
   for (int k = 0; k < KINDS; k++) {
     hc_particles from, to;
@@ -289,6 +308,157 @@ START_TEST(scratch_has_room_for_every_own_particle) {
 }
 END_TEST
 
+/* ---- joined stores ---- */
+
+typedef struct joined {
+  hc_particles head, tail;
+} joined;
+
+static void joined_init(joined *j) {
+  hc_particles_init(&j->head, HC_BOUNDARY, HC_FOR_ALL);
+  hc_particles_init(&j->tail, HC_BOUNDARY | HC_MOVED, HC_FOR_ALL);
+  hc_particles_join(&j->head, &j->tail);
+}
+
+static void joined_free(joined *j) {
+  hc_particles_free(&j->tail);
+  hc_particles_free(&j->head);
+}
+
+static bool is_record(int field) {
+  return hc_fields[field].type == HC_TYPE_record;
+}
+
+/* One behind the other in one array, and behind both spare elements. */
+static bool stands_behind(const joined *j) {
+  const int32_t first = j->head.own + j->head.ghosts, end = first + j->tail.own + j->tail.ghosts;
+  bool good = hc_particles_first(&j->tail) == first && hc_particles_first(&j->head) == 0;
+  for (int field = 0; field < HC_FIELD_COUNT; field++) {
+    if (!is_record(field) || !has(HC_BOUNDARY, field)) continue;
+    good &= j->tail.data[field] == (hc_record *)j->head.data[field] + first;
+    good &= j->head.capacity[field] >= (size_t)end + HC_SPARE;
+    for (int32_t i = end; i < end + HC_SPARE; i++) good &= is_zero(&j->head, field, i);
+  }
+  return good;
+}
+
+static void fill_records(hc_particles *particles, uint64_t first) {
+  for (int field = 0; field < HC_FIELD_COUNT; field++)
+    for (int32_t i = 0; i < particles->own + particles->ghosts && is_record(field) && particles->data[field];
+         i++)
+      fill(particles, field, i, first + (uint64_t)i);
+}
+
+/* Are the records of the first `count` those they were filled with? */
+static bool records_hold(const hc_particles *particles, int32_t count, uint64_t first) {
+  bool good = true;
+  for (int field = 0; field < HC_FIELD_COUNT; field++)
+    for (int32_t i = 0; i < count && is_record(field) && particles->data[field]; i++)
+      good &= holds(particles, field, i, first + (uint64_t)i);
+  return good;
+}
+
+START_TEST(joined_stores_share_their_records) {
+  static const int32_t sizes[][4] = {/* own and ghosts of the head, of the tail */
+                                     {0, 0, 5, 0},    {3, 0, 5, 2},     {3, 4, 0, 0},     {100, 7, 1, 1},
+                                     {99, 0, 300, 0}, {20000, 5, 7, 9}, {1, 0, 30000, 3}, {0, 0, 0, 0}};
+  enum { TAIL = 1000000 };
+  joined j;
+  joined_init(&j);
+  ck_assert(stands_behind(&j));
+  for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+    const int32_t *size = sizes[s], head = size[0] + size[1];
+    hc_particles_resize(&j.head, size[0]);
+    fill_records(&j.head, 0);
+    hc_particles_set_ghosts(&j.head, size[1]);
+    ck_assert(stands_behind(&j) && records_hold(&j.head, size[0], 0));
+    fill_all(&j.head, 0, size[0]);
+    fill_records(&j.head, 0);
+    hc_particles_resize(&j.tail, size[2]);
+    ck_assert(stands_behind(&j) && records_hold(&j.head, head, 0));
+    fill_all(&j.tail, 0, size[2]);
+    fill_records(&j.tail, TAIL);
+    hc_particles_set_ghosts(&j.tail, size[3]);
+    ck_assert(stands_behind(&j) && records_hold(&j.head, head, 0) && records_hold(&j.tail, size[2], TAIL));
+    fill_records(&j.tail, TAIL);
+    hc_particles_set_ghosts(&j.tail, size[3] + 500);
+    ck_assert(stands_behind(&j) && records_hold(&j.head, head, 0) && records_hold(&j.tail, size[2], TAIL));
+    ck_assert(carried_holds(&j.head, 0, size[0]) && carried_holds(&j.tail, 0, size[2]));
+  }
+  joined_free(&j);
+}
+END_TEST
+
+/* What is no record is each store's own, whatever becomes of the other. */
+START_TEST(joined_stores_keep_the_rest_apart) {
+  static const int32_t sizes[] = {400, 10, 0, 3000, 401};
+  joined j;
+  joined_init(&j);
+  hc_particles_resize(&j.head, 400);
+  fill_all(&j.head, 0, 400);
+  for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+    hc_particles_resize(&j.tail, sizes[s]);
+    fill_all(&j.tail, 0, sizes[s]);
+    hc_particles_resize(&j.head, 400 + 100 * (int32_t)s);
+    ck_assert(carried_holds(&j.tail, 0, sizes[s]) && carried_holds(&j.head, 0, 400));
+    for (int field = 0; field < HC_FIELD_COUNT; field++)
+      ck_assert((j.tail.data[field] != NULL) == has(HC_BOUNDARY | HC_MOVED, field));
+  }
+  joined_free(&j);
+}
+END_TEST
+
+/* ---- features ---- */
+
+START_TEST(a_store_has_the_fields_that_a_run_needs) {
+  for (int k = 0; k < KINDS; k++)
+    for (unsigned features = 0; features <= HC_FOR_ALL; features++) {
+      hc_particles particles;
+      hc_particles_init(&particles, kinds[k], features);
+      hc_particles_resize(&particles, 3);
+      hc_particles_set_ghosts(&particles, 2);
+      size_t all = 0, state = 0, carried = 0;
+      for (int field = 0; field < HC_FIELD_COUNT; field++) {
+        const hc_field_info *info = &hc_fields[field];
+        const bool there = has(kinds[k], field) && (info->needs == 0 || (info->needs & features));
+        ck_assert_msg((particles.data[field] != NULL) == there, "%s with features %u", info->name, features);
+        all += there ? info->bytes : 0;
+        state += there && hc_field_is_state(info) ? info->bytes : 0;
+        carried += there && (info->flags & HC_CARRIED) ? info->bytes : 0;
+      }
+      ck_assert_uint_eq(hc_particles_bytes(kinds[k], features), all);
+      ck_assert_uint_eq(hc_particles_state_bytes(kinds[k], features), state);
+      ck_assert_uint_eq(hc_particles_block_bytes(&particles), carried);
+      const int32_t order[3] = {2, 0, 1};
+      hc_particles_permute(&particles, order, 3);
+      hc_particles_remove(&particles, order + 1, 1);
+      ck_assert_int_eq(particles.own, 2);
+      hc_particles_free(&particles);
+    }
+}
+END_TEST
+
+/* By name, so that a wrong row of the table is seen. */
+START_TEST(a_solver_carries_nothing_of_another) {
+  hc_particles dfsph, pcisph;
+  hc_particles_init(&dfsph, HC_FLUID, HC_FOR_DFSPH | HC_FOR_WALL_VOLUMES);
+  hc_particles_init(&pcisph, HC_FLUID, HC_FOR_PCISPH | HC_FOR_RIGID_WALLS);
+  ck_assert(dfsph.pressure_multiplier && dfsph.divergence_multiplier && dfsph.alpha && dfsph.wall_gradient);
+  ck_assert(!dfsph.push && !dfsph.wall_rate);
+  ck_assert(pcisph.push && !pcisph.pressure_multiplier && !pcisph.divergence_multiplier && !pcisph.alpha);
+  ck_assert(!pcisph.wall_gradient && !pcisph.wall_density && !pcisph.wall_rate);
+  ck_assert(dfsph.velocity && dfsph.density && dfsph.place && dfsph.motion && pcisph.velocity);
+  hc_particles_free(&dfsph);
+  hc_particles_free(&pcisph);
+  hc_particles volumes, rigid;
+  hc_particles_init(&volumes, HC_BOUNDARY, HC_FOR_DFSPH | HC_FOR_WALL_VOLUMES);
+  hc_particles_init(&rigid, HC_BOUNDARY, HC_FOR_PCISPH | HC_FOR_RIGID_WALLS);
+  ck_assert(!volumes.facing && !volumes.boundary_share && rigid.facing && rigid.boundary_share);
+  hc_particles_free(&volumes);
+  hc_particles_free(&rigid);
+}
+END_TEST
+
 START_TEST(ids_keep_their_parts_apart) {
   const uint64_t last_source = HC_ID_MAX_SOURCES - 1, last_counter = HC_ID_MAX_COUNTER - 1;
   ck_assert(hc_id_kind_of(hc_id_make(HC_ID_FLUID, last_source, last_counter)) == HC_ID_FLUID);
@@ -310,9 +480,14 @@ int main(void) {
   tcase_add_test(cases, ghosts_leave_own_values_alone);
   tcase_add_test(cases, spare_elements_can_be_read);
   tcase_add_test(cases, permuting_moves_all_of_a_particle);
+  tcase_add_test(cases, permuting_works_for_any_size);
   tcase_add_test(cases, packed_particles_come_back_elsewhere);
   tcase_add_test(cases, removed_particles_leave_no_gaps);
   tcase_add_test(cases, scratch_has_room_for_every_own_particle);
+  tcase_add_test(cases, joined_stores_share_their_records);
+  tcase_add_test(cases, joined_stores_keep_the_rest_apart);
+  tcase_add_test(cases, a_store_has_the_fields_that_a_run_needs);
+  tcase_add_test(cases, a_solver_carries_nothing_of_another);
   tcase_add_test(cases, ids_keep_their_parts_apart);
   suite_add_tcase(suite, cases);
   SRunner *const runner = srunner_create(suite);
