@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "footprint.h"
+#include "setup/controls.h"
 #include "setup/rest_lattice.h"
 #include "setup/settings.h"
 #include "setup/world_frame.h"
@@ -55,7 +56,7 @@ static hc_status settle(hc_simulation *simulation, hc_error *error) {
   hc_particles *fluid = world->fluid;
   hc_solver_settings settings = simulation->solver_settings;
   settings.viscosity = HC_VISCOUS_NONE;
-  const double dt = hc_settings_settle_step(simulation->scene);
+  const double dt = hc_setup_settle_step(simulation->scene);
   for (int step = 0; step < simulation->scene->fluid.settle_steps; step++) {
     memset(fluid->velocity, 0, 3 * (size_t)fluid->own * sizeof *fluid->velocity);
     hc_world_update(world);
@@ -118,7 +119,7 @@ static void register_state(hc_simulation *simulation) {
   hc_population_register(&simulation->population, state);
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_avg, "density_error_avg");
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_max, "density_error_max");
-  hc_rollback_register(&simulation->rollback, state);
+  hc_control_register(&simulation->control, state);
 }
 
 /* Fluid that is squeezed from the start, as too near to a wall, explodes: the pressure that pushes it apart
@@ -172,10 +173,10 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
   hc_balance_init(&simulation->balance, scene);
   simulation->solver = hc_settings_solver_ops(scene);
   simulation->solver_settings = hc_settings_solver(scene);
-  simulation->step_settings = hc_settings_step(scene);
 
   hc_frame frame;
   if (hc_setup_frame(scene, &frame, error) != HC_OK) return error->status;
+  simulation->control = hc_setup_control(scene);
   const double ratio = scene->particle_spacing / scene->support_radius, h = frame.support_radius;
   const double volume_factor = hc_settings_wall_factor(scene);
   const hc_world_settings settings = {
@@ -224,6 +225,7 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
 
 void hc_simulation_free(hc_simulation *simulation) {
   hc_setup_plan_free(&simulation->plan);
+  hc_control_free(&simulation->control);
   hc_rollback_free(&simulation->rollback);
   hc_movers_free(&simulation->movers);
   hc_population_free(&simulation->population);
@@ -233,10 +235,6 @@ void hc_simulation_free(hc_simulation *simulation) {
 
 bool hc_simulation_done(const hc_simulation *simulation) {
   return simulation->time >= simulation->scene->end_time;
-}
-
-bool hc_simulation_may_go_back(const hc_simulation *simulation) {
-  return simulation->step_settings.control == HC_STEP_ADAPTIVE;
 }
 
 /* Bodies will raise v_max here too. */
