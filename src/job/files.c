@@ -201,9 +201,12 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
   hc_log_info(&job->log, "time steps from %.4g to %.4g s; steps with a density off by more than %g %%: %lld",
               job->counts.shortest_step, job->counts.longest_step, 100.0 * HC_JOB_MOST_COMPRESSION,
               (long long)job->counts.compressed_steps);
-  hc_log_info(&job->log, "iteration caps hit: density solver %lld, divergence solver %lld of %lld steps",
-              (long long)job->counts.density_caps, (long long)job->counts.divergence_caps,
-              (long long)simulation->step);
+  if (simulation->solver->summary) {
+    const hc_solver_caps caps = {job->counts.density_caps, job->counts.divergence_caps, simulation->step};
+    char text[256];
+    simulation->solver->summary(&caps, text, sizeof text);
+    hc_log_info(&job->log, "%s", text);
+  }
   if (hc_control_may_go_back(&simulation->control))
     hc_log_info(&job->log, "rollbacks: %lld, which took back %lld steps",
                 (long long)simulation->control.guard.rollbacks, (long long)simulation->control.guard.steps);

@@ -169,7 +169,7 @@ static void judge_step(hc_job *job, char *event, size_t size) {
     hc_log_warn(&job->log,
                 "step %lld: density solver at its cap of %d iterations, average error %.3g, allowed %.3g",
                 (long long)simulation->step, report->density_iterations, report->density_error_avg,
-                simulation->solver_settings.density_error_avg);
+                job->scene->solver.density_error_avg);
   }
   if (report->divergence_capped) {
     job->counts.divergence_caps++;

@@ -1,12 +1,9 @@
-/* From a scene's keys to what solver and walls are told. All local. */
+/* From a scene's keys to what its walls and its start are told. All local. */
 #ifndef HC_SETTINGS_H
 #define HC_SETTINGS_H
 
 #include "scene/scene.h"
 #include "solver/solver.h"
-
-const hc_solver_ops *hc_settings_solver_ops(const hc_scene *scene);
-hc_solver_settings hc_settings_solver(const hc_scene *scene);
 
 /* No step of the scene is longer, s: how far ahead what is prescribed is looked at. */
 double hc_settings_longest_step(const hc_scene *scene);

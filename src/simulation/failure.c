@@ -1,7 +1,5 @@
 #include "failure.h"
 
-#include "stepping/adaptive.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -191,17 +189,19 @@ static bool by_step(const failure *f, char *text, size_t size) {
 
 static bool by_cap(const failure *f, char *text, size_t size) {
   const hc_simulation *simulation = f->simulation;
+  const hc_control_ops *control = simulation->control.ops;
+  const char *steadier = simulation->solver->steadier;
   const int64_t failed = simulation->step + 1;
   const int64_t capped = simulation->report.density_capped ? failed : simulation->capped_at;
   if (capped == 0 || failed - capped >= RECENT) return false;
+  char advice[128] = "";
+  if (steadier && strcmp(steadier, control->name) != 0)
+    snprintf(advice, sizeof advice, ", or have steps that follow the forces (time_step.control: %s)",
+             steadier);
   snprintf(text, size,
            "the density solver was at its cap of %d iterations in step %lld: the pressure did not converge; "
            "lower the time step (time_step.%s) or raise solver.density_iterations.max%s",
-           simulation->solver_settings.density_max, (long long)capped, simulation->control.ops->longest_key,
-           simulation->scene->solver.method == HC_SOLVER_PCISPH &&
-                   simulation->control.ops != &hc_control_adaptive
-               ? ", or have steps that follow the forces (time_step.control: adaptive)"
-               : "");
+           simulation->scene->solver.density_iterations.max, (long long)capped, control->longest_key, advice);
   return true;
 }
 

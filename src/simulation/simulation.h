@@ -19,7 +19,7 @@ typedef struct hc_simulation {
   hc_isa isa;
   hc_world world;
   const hc_solver_ops *solver;
-  hc_solver_settings solver_settings;
+  hc_solver_settings *solver_settings; /* the solver's own, the common ones first */
   hc_control control;
   int64_t step; /* steps done */
   double time;  /* s */

@@ -24,7 +24,7 @@ static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) 
   hc_fault *fault = &simulation->report.fault;
   const hc_verdict permitted = hc_control_permit(&simulation->control, simulation->time, dt);
   if (permitted != HC_VERDICT_ACCEPT) return refuse(simulation, dt, permitted, error);
-  if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
+  if (simulation->solver->step(world, simulation->solver_settings, dt, simulation->dt, &simulation->report,
                                error) != HC_OK)
     return error->status;
   if (simulation->population.remove) return HC_OK;

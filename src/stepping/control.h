@@ -5,7 +5,7 @@
  *   required   name, when, speed_key, longest_key, next
  *   optional   usual    default: 0.4 spacings at that speed
  *              still    default: the longest step
- *              foreseen default: false
+ *              foreseen, by_errors  default: false
  *   all or none  judge, restart, most_restarts: steps may be taken back. Without them every step that did not
  *              fail counts, and one that failed ends the run.
  * Its settings begin with the common ones. All functions are local, and the same on every rank if what they
@@ -47,6 +47,7 @@ typedef struct hc_control_ops {
   hc_control_when when;
   const char *speed_key, *longest_key; /* what a user lowers in time_step, for high speeds and in general */
   bool foreseen;                       /* the number of steps is known beforehand */
+  bool by_errors; /* steps follow the density errors: a solver need not iterate until they are small */
 
   /* The step from `time` on, given the last one (dt_before = 0 at the first) and what it reported: v_max,
    * force_max and density errors; and what bounds it. */
