@@ -10,7 +10,8 @@
  *
  * Functions that can fail return a status and, then, put one message into `error`, which may be null. The
  * values of hc_status say what kind of failure it was. Broken invariants and lack of memory abort the
- * process.
+ * process and, while a session lives, all processes of MPI_COMM_WORLD; so do exit, SIGABRT and, unless the
+ * program has handlers of its own, SIGSEGV, SIGBUS, SIGFPE and SIGILL.
  *
  * Units are SI; coordinates are those of the scene. Several sessions and runs may live side by side, in one
  * thread. HDF5's own printing of errors is turned off by the first snapshot, since messages come as text. */

@@ -62,10 +62,12 @@ static hc_status make_run(hc_session *session, const hc_scene_input *input, hc_r
   made->comm = &session->comm;
   *run = NULL;
   if (hc_scene_input_read(made->comm, input, &made->scene, NULL, &problem) == HC_OK) {
-    if (hc_simulation_init(&made->simulation, made->comm, &made->scene, &problem) == HC_OK)
+    if (hc_simulation_init(&made->simulation, made->comm, &made->scene, &problem) == HC_OK) {
+      hc_scene_free_surfaces(&made->scene);
       *run = made;
-    else
+    } else {
       hc_scene_free(&made->scene);
+    }
   }
   if (!*run) hc_free(made);
   return hand_over(&problem, error);

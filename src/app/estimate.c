@@ -283,7 +283,7 @@ hc_status hc_estimate_make(const hc_scene *scene, int64_t ranks, hc_estimate *es
   hc_setup_plan plan;
   *estimate = (hc_estimate){.ranks = ranks};
   if (hc_setup_frame(scene, &frame, error) != HC_OK) return error->status;
-  if (hc_setup_plan_make(scene, &frame, &plan, error) != HC_OK) return error->status;
+  if (hc_setup_plan_make(NULL, scene, &frame, &plan, error) != HC_OK) return error->status;
   hc_status status = estimate_from_plan(scene, &plan, estimate, error);
   hc_setup_plan_free(&plan);
   if (status != HC_OK) return status;

@@ -1,5 +1,5 @@
-/* Broken invariants: said with rank, file and line, then the process aborts (mpirun ends the other ranks).
- * And what no caller can mend: said with the rank, then the program ends. */
+/* Broken invariants: said with rank, file and line, then the process aborts (comm/ending.h ends the other
+ * ranks). And what no caller can mend: said with the rank, then the program ends. */
 #ifndef HC_CHECK_H
 #define HC_CHECK_H
 

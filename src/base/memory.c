@@ -12,11 +12,17 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#ifdef __GLIBC__
+#  include <malloc.h>
+#endif
+
 /* From this size on memory is asked for in huge pages: neighbours of neighbours lie on many pages, and
  * looking up small ones costs a sweep over a million particles a quarter of its time. */
 enum { HUGE_PAGE = 2 << 20 };
 
-void *hc_alloc(size_t count, size_t size) {
+/* Room for `count` objects, of which `used` will be filled: whole huge pages only of these, because a huge
+ * page is there as soon as a byte of it is touched. */
+static void *allocate(size_t count, size_t used, size_t size) {
   HC_CHECK(size == 0 || count <= (SIZE_MAX / 2) / size, "allocation of %zu objects of %zu bytes", count,
            size);
   const size_t alignment = count * size >= 2 * HUGE_PAGE ? HUGE_PAGE : HC_ALIGNMENT;
@@ -24,8 +30,13 @@ void *hc_alloc(size_t count, size_t size) {
   void *pointer = aligned_alloc(alignment, bytes);
   if (!pointer)
     hc_check_give_up(HC_FAILED, "out of memory: %zu bytes wanted, %zu in use", bytes, hc_memory_now());
-  if (alignment == HUGE_PAGE) madvise(pointer, bytes, MADV_HUGEPAGE); /* a hint: failure changes nothing */
+  if (alignment == HUGE_PAGE) /* a hint: failure changes nothing */
+    madvise(pointer, used * size / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
   return pointer;
+}
+
+void *hc_alloc(size_t count, size_t size) {
+  return allocate(count, count, size);
 }
 
 void *hc_alloc_zero(size_t count, size_t size) {
@@ -43,9 +54,9 @@ void hc_reserve(void **pointer, size_t *capacity, size_t count, size_t keep, siz
   const size_t roomy = count + count / 16 + 16;
   if (keep == 0) {
     hc_free(*pointer);
-    *pointer = hc_alloc(roomy, size);
+    *pointer = allocate(roomy, count, size);
   } else {
-    void *grown = hc_alloc(roomy, size);
+    void *grown = allocate(roomy, count, size);
     memcpy(grown, *pointer, keep * size);
     hc_free(*pointer);
     *pointer = grown;
@@ -67,6 +78,12 @@ bool hc_memory_has(size_t bytes) {
   void *volatile probe = malloc(bytes);
   free(probe);
   return probe != NULL;
+}
+
+void hc_memory_give_back(void) {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
 }
 
 /* Pages of this process: resident, and those of them that have a file or are shared. */

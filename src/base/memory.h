@@ -27,6 +27,9 @@ size_t hc_memory_allowed(void);
  * not bear to run out, such as what HDF5 does on all ranks together: ask, agree, then begin. */
 bool hc_memory_has(size_t bytes);
 
+/* Gives memory that was freed back to the machine, which allocators put off. */
+void hc_memory_give_back(void);
+
 /* Resident memory of this process, in bytes: now, and at its highest. */
 size_t hc_memory_now(void);
 size_t hc_memory_peak(void);

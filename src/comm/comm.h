@@ -1,5 +1,6 @@
 /* The communicator: the only door to MPI. Every function here is collective over the communicator unless it
- * says "local"; a rank without particles calls them all the same. */
+ * says "local"; a rank without particles calls them all the same. Messages, broadcasts and gathers may have
+ * any size: what MPI cannot count goes in parts. */
 #ifndef HC_COMM_H
 #define HC_COMM_H
 
@@ -15,6 +16,7 @@ typedef struct hc_comm {
   MPI_Comm mpi; /* a duplicate of our own; handed on to HDF5, to nobody else */
   int rank, size;
   bool owns_mpi;
+  size_t part_limit;                 /* bytes; larger messages are sent in parts */
   int sparse_parity;                 /* alternates the tag of successive sparse exchanges */
   double wait_seconds;               /* time spent in this room since the start, for timings.json */
   double spent_seconds;              /* of it what the thread's own clock says, which stands still asleep */
@@ -35,6 +37,9 @@ void hc_comm_finish(hc_comm *comm);
  * running or has ended, the handle is no communicator of one group. */
 hc_status hc_comm_start_on(hc_comm *comm, const int *handle, hc_error *error);
 
+/* Tests: sends messages in parts of so many bytes, at most INT_MAX; the same on all ranks. Local. */
+void hc_comm_set_part_limit(hc_comm *comm, size_t bytes);
+
 /* The rank that a launcher (mpirun, srun) says this process will have, 0 without one. Local; needs no MPI. */
 int hc_comm_launched_rank(void);
 
@@ -42,8 +47,9 @@ int hc_comm_launched_rank(void);
  * waiting for others. Only differences mean something. Local. */
 double hc_comm_busy_seconds(const hc_comm *comm);
 
-/* The number of ranks that share this rank's machine and its memory, itself included. */
-int hc_comm_machine_ranks(hc_comm *comm);
+/* The number of ranks on this rank's machine, which share its memory, that call with the same group; itself
+ * included. Groups are not negative. */
+int hc_comm_machine_ranks(hc_comm *comm, int group);
 
 /* The error of the lowest rank that has one (error->status != HC_OK) becomes everybody's; returns its status.
  * This is how a rank tells the others that something of its own failed. */
@@ -73,7 +79,7 @@ void hc_comm_gather(hc_comm *comm, const void *mine, size_t bytes, int root, voi
 /* `count` values of every rank on every rank, in rank order; all has size * count elements. */
 void hc_comm_gather_all_f64(hc_comm *comm, const double *mine, int count, double *all);
 
-/* A message of a sparse exchange. `data` of received ones is freed by hc_message_free. */
+/* A message of a sparse exchange. `data` of received ones is freed by hc_messages_free. */
 typedef struct hc_message {
   int rank;
   size_t bytes;
@@ -87,13 +93,15 @@ typedef struct hc_message {
 void hc_comm_sparse(hc_comm *comm, const hc_message *out, int out_count, hc_message **in, int *in_count);
 void hc_messages_free(hc_message *messages, int count);
 
-/* A repeated exchange with known partners. Local to begin (never waits), completes at end on both sides.
- * Segments to or from oneself are copied at begin. Between the two neither side's buffers may be touched. */
+/* A repeated exchange with known partners, which know the sizes. Local to begin (never waits), completes at
+ * end on both sides. Segments to or from oneself are copied at begin. Between the two neither side's buffers
+ * may be touched. */
 typedef struct hc_exchange {
   int send_count, receive_count;
   const hc_message *send;    /* data, bytes, rank */
   const hc_message *receive; /* data, bytes, rank: the room that is filled, or a part of it */
   MPI_Request *requests;     /* room for send_count + receive_count, the caller's */
+  MPI_Request *many;         /* in place of them, where messages come in parts; exchange.c's own */
   int pending;
 } hc_exchange;
 

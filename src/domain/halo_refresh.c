@@ -168,8 +168,8 @@ static void expect_messages(hc_halo *halo, size_t bytes, bool bitmaps) {
 }
 
 static void start_exchange(hc_halo *halo, hc_field_set fields) {
-  halo->exchange =
-      (hc_exchange){halo->send_count, halo->receive_count, halo->send, halo->receive, halo->requests, 0};
+  halo->exchange = (hc_exchange){
+      halo->send_count, halo->receive_count, halo->send, halo->receive, halo->requests, NULL, 0};
   hc_comm_exchange_begin(halo->domain->comm, &halo->exchange, halo->tag);
   halo->fields = fields;
   halo->particles->under_way |= fields;
@@ -227,6 +227,10 @@ void hc_halo_begin_some(hc_halo *halo, hc_field_set fields, const uint64_t *chos
     halo->send[partner].data = to;
     const char *end = pack_chosen(halo, partner, columns, count, to);
     halo->send[partner].bytes = (size_t)(end - to);
+    const size_t most =
+        (size_t)halo->copies[partner] * hc_halo_bytes(fields) + bitmap_bytes(halo->copies[partner]);
+    if (most > halo->domain->comm->part_limit)
+      halo->send[partner].bytes = most; /* as many parts as expected */
     to += aligned(halo->send[partner].bytes);
   }
   expect_messages(halo, hc_halo_bytes(fields), true);
@@ -296,8 +300,8 @@ void hc_halo_fold_least(hc_halo *halo, hc_field_id field) {
   for (int m = 0; m < halo->receive_count; m++)
     pack_rows(halo->receive[m].data, &column, halo->particles->own + halo->ghost_begin[m],
               halo->ghost_begin[m + 1] - halo->ghost_begin[m]);
-  halo->exchange =
-      (hc_exchange){halo->receive_count, halo->send_count, halo->receive, halo->send, halo->requests, 0};
+  halo->exchange = (hc_exchange){
+      halo->receive_count, halo->send_count, halo->receive, halo->send, halo->requests, NULL, 0};
   hc_comm_exchange_begin(halo->domain->comm, &halo->exchange, halo->tag);
   hc_comm_exchange_end(halo->domain->comm, &halo->exchange);
   for (int partner = 0; partner < halo->send_count; partner++) {

@@ -2,7 +2,30 @@
 #ifndef HC_MEASURES_H
 #define HC_MEASURES_H
 
-#include "gauges.h"
+#include "comm/comm.h"
+#include "scene/scene.h"
+#include "space/frame.h"
+#include "sph/sweeps.h"
+
+enum { HC_GAUGE_COLUMNS = 6 }; /* the most that one gauge has */
+
+/* One gauge at work. */
+typedef struct hc_gauge_state {
+  double integral[HC_GAUGE_COLUMNS]; /* of what is averaged, over the time since the last reading */
+  double area;                       /* pressure on a wall: weighted area of the samples around, m2 */
+  int wall;                          /* the wall's number; -1: none */
+  int first_sum;                     /* of a step's sums over the ranks */
+} hc_gauge_state;
+
+typedef struct hc_gauges {
+  const hc_scene *scene; /* the caller's */
+  const hc_frame *frame; /* the caller's */
+  hc_comm *comm;
+  hc_gauge_state *state; /* one for each of scene->output.gauges */
+  double mass;           /* kg, of a fluid particle */
+  int sum_count;         /* of all gauges that are averaged */
+  double elapsed;        /* s, since the last reading */
+} hc_gauges;
 
 /* A place in units of the frame. */
 typedef struct hc_point {

@@ -300,7 +300,10 @@ static const hc_sampling_run *run_of(const hc_sampling *sampling, int64_t k) {
 void hc_sampling_point(const hc_sampling *sampling, int64_t k, int64_t x[3]) {
   check_point(sampling, k);
   if (sampling->listed) {
-    turn_into_place(sampling, sampling->listed[k].x, x);
+    HC_CHECK(k >= sampling->listed_first && k < sampling->listed_end,
+             "samples %lld to %lld are held here, got %lld", (long long)sampling->listed_first,
+             (long long)sampling->listed_end - 1, (long long)k);
+    turn_into_place(sampling, sampling->listed[k - sampling->listed_first].x, x);
     return;
   }
   if (sampling->run_count > 0) {
@@ -371,9 +374,9 @@ void hc_sampling_bounds(const hc_sampling *sampling, int64_t low[3], int64_t hig
     low[a] = INT64_MAX;
     high[a] = INT64_MIN;
   }
-  for (int64_t k = 0; sampling->listed && k < sampling->count; k++) {
+  for (int end = 0; end < 2 && sampling->listed; end++) { /* not turned: no axis changes its order */
     int64_t x[3];
-    hc_sampling_point(sampling, k, x);
+    turn_into_place(sampling, end ? sampling->listed_high : sampling->listed_low, x);
     widen(x, low, high);
   }
   for (int64_t r = 0; r < sampling->run_count; r++) run_bounds(sampling, &sampling->runs[r], low, high);

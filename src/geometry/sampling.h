@@ -68,7 +68,9 @@ typedef struct hc_sampling {
   double turn[3][3]; /* turn[a][t]: units along a for each along own axis t */
   bool rings;        /* the runs are rings */
   double pitch;      /* between the points of a row */
-  const struct hc_surface_sample *listed; /* the points, in own axes; somebody else's */
+  const struct hc_surface_sample *listed; /* the points held here, in own axes; somebody else's */
+  int64_t listed_first, listed_end;       /* which they are */
+  double listed_low[3], listed_high[3];   /* around all points */
   hc_sampling_run *runs;
   int64_t run_count;
   size_t run_room;

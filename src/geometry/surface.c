@@ -157,8 +157,9 @@ static void nearest_share(const double *corner[3], const double x[3], double sha
 static double box_square(const hc_surface_node *node, const double x[3]) {
   double square = 0;
   for (int a = 0; a < 3; a++) {
-    const double beyond = fmax(0, fmax(node->low[a] - x[a], x[a] - node->high[a]));
-    square += beyond * beyond;
+    const double below = node->low[a] - x[a], above = x[a] - node->high[a];
+    const double beyond = below > above ? below : above; /* fmax calls the library */
+    if (beyond > 0) square += beyond * beyond;
   }
   return square;
 }
@@ -181,23 +182,23 @@ static double look_at(const hc_surface *surface, int32_t t, const double x[3], d
   return square;
 }
 
-hc_surface_point hc_surface_nearest(const hc_surface *surface, const double x[3]) {
+hc_surface_point hc_surface_nearest_among(const hc_surface *surface, const hc_surface_node *nodes,
+                                          const double x[3], double within) {
   hc_surface_point found = {.triangle = -1};
   int32_t open[DEEPEST];
-  double squares[DEEPEST], least = INFINITY;
+  double squares[DEEPEST], least = within;
   int left = 0;
   open[left] = 0;
-  squares[left++] = box_square(&surface->nodes[0], x);
+  squares[left++] = box_square(&nodes[0], x);
   while (left > 0) {
     const int32_t at = open[--left];
     if (squares[left] >= least) continue;
-    const hc_surface_node *const node = &surface->nodes[at];
+    const hc_surface_node *const node = &nodes[at];
     for (int32_t k = 0; k < node->count; k++)
       least = look_at(surface, surface->order[node->first + k], x, least, &found);
     if (node->count > 0) continue;
     const int32_t child[2] = {at + 1, node->first};
-    const double square[2] = {box_square(&surface->nodes[child[0]], x),
-                              box_square(&surface->nodes[child[1]], x)};
+    const double square[2] = {box_square(&nodes[child[0]], x), box_square(&nodes[child[1]], x)};
     const int nearer = square[1] < square[0];
     for (int k = 0; k < 2; k++) { /* the nearer one comes off first */
       const int which = k ? nearer : !nearer;
@@ -207,6 +208,15 @@ hc_surface_point hc_surface_nearest(const hc_surface *surface, const double x[3]
   }
   found.distance = sqrt(least);
   return found;
+}
+
+hc_surface_point hc_surface_nearest(const hc_surface *surface, const double x[3]) {
+  return hc_surface_nearest_among(surface, surface->nodes, x, INFINITY);
+}
+
+double hc_surface_square(const hc_surface *surface, int32_t triangle, const double x[3]) {
+  hc_surface_point unused;
+  return look_at(surface, triangle, x, INFINITY, &unused);
 }
 
 /* The normal that decides on the side, see the header. */
@@ -229,13 +239,17 @@ static void side_normal(const hc_surface *surface, const hc_surface_point *point
     for (int a = 0; a < 3; a++) normal[a] += surface->face_normal[beyond][a];
 }
 
+double hc_surface_signed(const hc_surface *surface, const double x[3], const hc_surface_point *nearest) {
+  double normal[3], away[3];
+  side_normal(surface, nearest, normal);
+  hc_vector_minus(x, nearest->x, away);
+  return hc_vector_dot(away, normal) < 0 ? -nearest->distance : nearest->distance;
+}
+
 double hc_surface_signed_distance(const hc_surface *surface, const double x[3], hc_surface_point *nearest) {
   const hc_surface_point point = hc_surface_nearest(surface, x);
-  double normal[3], away[3];
-  side_normal(surface, &point, normal);
-  hc_vector_minus(x, point.x, away);
   if (nearest) *nearest = point;
-  return hc_vector_dot(away, normal) < 0 ? -point.distance : point.distance;
+  return hc_surface_signed(surface, x, &point);
 }
 
 /* --- Rays --- */
@@ -267,25 +281,29 @@ static bool box_meets(const hc_surface_node *node, const double x[3], const doub
       continue;
     }
     const double low = (node->low[a] - x[a]) / ray[a], high = (node->high[a] - x[a]) / ray[a];
-    from = fmax(from, fmin(low, high));
-    to = fmin(to, fmax(low, high));
+    const double in = low < high ? low : high, out = low < high ? high : low;
+    if (in > from) from = in;
+    if (out < to) to = out;
   }
   return from <= to;
 }
 
-double hc_surface_ray(const hc_surface *surface, const double x[3], const double ray[3], double side,
-                      double most) {
+bool hc_surface_faces(const hc_surface *surface, int32_t triangle, const double ray[3], double side) {
+  return side * hc_vector_dot(surface->face_normal[triangle], ray) > straight;
+}
+
+double hc_surface_ray(const hc_surface *surface, const hc_surface_node *nodes, const double x[3],
+                      const double ray[3], double side, double most) {
   int32_t open[DEEPEST];
   int left = 0;
   open[left++] = 0;
   while (left > 0) {
     const int32_t at = open[--left];
-    const hc_surface_node *const node = &surface->nodes[at];
+    const hc_surface_node *const node = &nodes[at];
     if (!box_meets(node, x, ray, most)) continue;
     for (int32_t k = 0; k < node->count; k++) {
       const int32_t t = surface->order[node->first + k];
-      if (side * hc_vector_dot(surface->face_normal[t], ray) > straight)
-        most = meet(surface, t, x, ray, most);
+      if (hc_surface_faces(surface, t, ray, side)) most = meet(surface, t, x, ray, most);
     }
     if (node->count > 0) continue;
     open[left++] = node->first;

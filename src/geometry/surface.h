@@ -34,9 +34,10 @@ typedef struct hc_surface {
   double low[3], high[3];
   double (*face_normal)[3], (*vertex_normal)[3];
   hc_surface_node *nodes;
-  int32_t *order; /* of the triangles, as the leaves hold them */
-  hc_surface_sample *samples;
-  int64_t sample_count;
+  int32_t *order;             /* of the triangles, as the leaves hold them */
+  hc_surface_sample *samples; /* from first_sample on as many as are held here */
+  int64_t sample_count, first_sample, samples_held;
+  double samples_low[3], samples_high[3]; /* of all */
 } hc_surface;
 
 /* The point of a surface that is nearest to another. */
@@ -52,13 +53,27 @@ void hc_surface_free(hc_surface *surface);
 
 hc_surface_point hc_surface_nearest(const hc_surface *surface, const double x[3]);
 
+/* The same among the triangles of `nodes`, those of the surface or of a region of it (surface_region.h), and
+ * no farther than the square root of `within`: triangle -1 if there is none. */
+hc_surface_point hc_surface_nearest_among(const hc_surface *surface, const hc_surface_node *nodes,
+                                          const double x[3], double within);
+
+/* The square of the distance to a triangle. */
+double hc_surface_square(const hc_surface *surface, int32_t triangle, const double x[3]);
+
 /* The distance, negative behind the surface: inside a closed one. `nearest` may be null. */
 double hc_surface_signed_distance(const hc_surface *surface, const double x[3], hc_surface_point *nearest);
 
-/* How far from `x` a ray along the unit vector `ray` comes out through a triangle (`side` ray . normal > 0.7,
- * with `side` 1 or -1), `most` if that is farther. */
-double hc_surface_ray(const hc_surface *surface, const double x[3], const double ray[3], double side,
-                      double most);
+/* The same if the nearest point is known. */
+double hc_surface_signed(const hc_surface *surface, const double x[3], const hc_surface_point *nearest);
+
+/* Whether a ray along the unit vector `ray` comes out through a triangle that it meets: `side` ray . normal >
+ * 0.7, with `side` 1 or -1. */
+bool hc_surface_faces(const hc_surface *surface, int32_t triangle, const double ray[3], double side);
+
+/* How far from `x` a ray comes out through a triangle of `nodes`, `most` if that is farther. */
+double hc_surface_ray(const hc_surface *surface, const hc_surface_node *nodes, const double x[3],
+                      const double ray[3], double side, double most);
 
 /* The normal at a point of a triangle, given by the shares of its corners: smooth where the faces around are
  * turned against each other by less than hc_surface_crease, that of the face along creases. */

@@ -13,17 +13,18 @@
  * Walls thinner than 1.5 spacings have one layer in their middle, without a normal, walls up to about 3 one
  * layer a side: candidates that come too close to the surface elsewhere are left out.
  *
- * Every rank makes all samples of a surface; a plan has them until it is freed with the scene. */
+ * The parts share out the places at which candidates may be; see sample_choice.h for how they choose. */
 #ifndef HC_SURFACE_SAMPLES_H
 #define HC_SURFACE_SAMPLES_H
 
-#include "surface.h"
+#include "surface_layer.h"
 
-/* Fills surface->samples, the first layer before the second. `fluid_inside`: the fluid is within a closed
- * surface; else on the side that its triangles look at. A surface so small that nothing fits behind it has
- * one sample in its middle. HC_BAD_INPUT: more than 2^24 candidates would be needed, some 600,000 samples.
- * Local. */
+/* Fills surface->samples, the first layer before the second, with our share of them. `fluid_inside`: the
+ * fluid is within a closed surface; else on the side that its triangles look at. A surface so small that
+ * nothing fits behind it has one sample in its middle. HC_BAD_INPUT, for all parts: more than 2^24 candidates
+ * would be needed, some 600,000 samples. Collective over `parts`; the samples are the same to the bit for any
+ * number of them. */
 hc_status hc_surface_samples_make(hc_surface *surface, double spacing, int layers, bool fluid_inside,
-                                  hc_error *error);
+                                  const hc_parts *parts, hc_error *error);
 
 #endif

@@ -16,8 +16,14 @@ hc_shape hc_surface_sampling_shape(const hc_surface *surface) {
 }
 
 hc_sampling hc_surface_sampling_wall(const hc_lattice *lattice, const hc_surface *surface) {
-  hc_sampling sampling = {.count = surface->sample_count, .listed = surface->samples, .turned = true};
+  hc_sampling sampling = {.count = surface->sample_count,
+                          .listed = surface->samples,
+                          .listed_first = surface->first_sample,
+                          .listed_end = surface->first_sample + surface->samples_held,
+                          .turned = true};
   for (int a = 0; a < 3; a++) {
+    sampling.listed_low[a] = surface->samples_low[a];
+    sampling.listed_high[a] = surface->samples_high[a];
     sampling.centre[a] = lattice->origin[a];
     sampling.turn[a][a] = 1 / lattice->unit[a];
   }

@@ -9,7 +9,7 @@
  * the surface. */
 hc_shape hc_surface_sampling_shape(const hc_surface *surface);
 
-/* The samples that the surface has; the sampling refers to them. */
+/* The samples of a surface; the sampling refers to those that are held here. */
 hc_sampling hc_surface_sampling_wall(const hc_lattice *lattice, const hc_surface *surface);
 
 /* The fluid lattice in a closed surface: as hc_sampling_block of the box around it, without the points closer

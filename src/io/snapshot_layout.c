@@ -16,7 +16,7 @@
 #include <string.h>
 
 enum {
-  SLICE = 65536,         /* particles converted at a time */
+  SLICE = 8192,          /* particles converted at a time */
   PLAIN_SLICE = 1 << 24, /* rows of a direct write: below the 2 GiB of one MPI call */
   CHUNK = 65536,         /* rows of a compressed chunk */
   WINDOW = 2 * CHUNK,    /* rows of a compressed write */

@@ -74,10 +74,11 @@ typedef struct hc_job {
   bool stopped;                            /* by a signal or --walltime: exit code 75 */
 } hc_job;
 
-/* A run of the scene, from its start or a checkpoint to its end or until something stops it. Warnings are the
- * scene's; `launched`: hc_seconds() when the program began. Collective; true if it stopped early, by a signal
- * or --walltime, with a checkpoint. Errors are agreed. */
-bool hc_job_run(hc_comm *comm, const hc_scene *scene, const hc_job_options *options, hc_warnings *warnings,
+/* A run of the scene, from its start or a checkpoint to its end or until something stops it. The scene's
+ * surfaces are freed once the particles are there. Warnings are the scene's; `launched`: hc_seconds() when
+ * the program began. Collective; true if it stopped early, by a signal or --walltime, with a checkpoint.
+ * Errors are agreed. */
+bool hc_job_run(hc_comm *comm, hc_scene *scene, const hc_job_options *options, hc_warnings *warnings,
                 double launched, hc_error *error);
 
 /* Are there no more steps to do, to the end time or --steps? Local. */

@@ -347,7 +347,7 @@ static hc_status fill(hc_job *job, hc_error *error) {
   return hc_gauges_find_walls(&job->gauges, simulation->world.boundary, error);
 }
 
-static void run_scene(hc_job *job, hc_error *error) {
+static void run_scene(hc_job *job, hc_scene *scene, hc_error *error) {
   hc_simulation *simulation = &job->simulation;
   if (job->options->restart) {
     const int said = job->warnings->count;
@@ -360,6 +360,7 @@ static void run_scene(hc_job *job, hc_error *error) {
   job->gauge_values = hc_alloc((size_t)hc_gauges_columns(job->scene), sizeof *job->gauge_values);
   hc_job_register(job);
   if (fill(job, error) == HC_OK) {
+    hc_scene_free_surfaces(scene);
     run_with_files(job, error);
     hc_job_close_files(job, error);
   }
@@ -368,7 +369,7 @@ static void run_scene(hc_job *job, hc_error *error) {
   hc_simulation_free(simulation);
 }
 
-bool hc_job_run(hc_comm *comm, const hc_scene *scene, const hc_job_options *options, hc_warnings *warnings,
+bool hc_job_run(hc_comm *comm, hc_scene *scene, const hc_job_options *options, hc_warnings *warnings,
                 double launched, hc_error *error) {
   hc_job *job = hc_alloc_zero(1, sizeof *job);
   *job = (hc_job){.comm = comm,
@@ -384,7 +385,7 @@ bool hc_job_run(hc_comm *comm, const hc_scene *scene, const hc_job_options *opti
     hc_error_set(error, HC_BAD_INPUT, "the output directory's name has %d bytes, more than %d", length,
                  HC_TEXT_PATH);
   else
-    run_scene(job, error);
+    run_scene(job, scene, error);
   const bool stopped = job->stopped;
   hc_free(job->changed);
   hc_free(job->written.scene_text);

@@ -105,6 +105,11 @@ void hc_particles_set_ghosts(hc_particles *particles, int32_t ghosts) {
   fit_records(particles, (size_t)hc_particles_first(particles) + own);
 }
 
+void *hc_particles_scratch(hc_particles *particles, size_t bytes) {
+  hc_reserve(&particles->scratch, &particles->scratch_capacity, (size_t)particles->own * bytes, 0, 1);
+  return particles->scratch;
+}
+
 /* Gathers `bytes` of each particle, `stride` apart, in a new order. */
 static void gather(char *restrict to, const char *restrict from, size_t stride, size_t bytes,
                    const int32_t *order, int32_t count) {
@@ -114,9 +119,6 @@ static void gather(char *restrict to, const char *restrict from, size_t stride, 
     break;
   case 8:
     for (int32_t k = 0; k < count; k++) memcpy(to + 8 * (size_t)k, from + stride * (size_t)order[k], 8);
-    break;
-  case 12:
-    for (int32_t k = 0; k < count; k++) memcpy(to + 12 * (size_t)k, from + stride * (size_t)order[k], 12);
     break;
   default:
     for (int32_t k = 0; k < count; k++)
@@ -135,25 +137,25 @@ static void scatter(char *restrict to, const char *restrict from, size_t stride,
 }
 
 void hc_particles_permute(hc_particles *particles, const int32_t *order, int32_t count) {
-  enum { AT_ONCE = 12 }; /* bytes a particle of scratch: what forces need, too */
+  enum { AT_ONCE = 8 }; /* bytes of a particle: with its place in the order as much scratch as forces need */
+  const size_t behind = (size_t)count * sizeof *order; /* perhaps the order itself stands before */
   for (int field = 0; field < HC_FIELD_COUNT; field++) {
     if (!is_carried(particles, field)) continue;
-    const size_t bytes = hc_fields[field].bytes, part = bytes > AT_ONCE ? AT_ONCE : bytes;
-    HC_CHECK(bytes % part == 0, "field %s has %zu bytes, which %zu does not divide", hc_fields[field].name,
-             bytes, part);
-    hc_reserve(&particles->scratch, &particles->scratch_capacity, (size_t)count * part, 0, 1);
+    const size_t bytes = hc_fields[field].bytes, part = bytes % AT_ONCE ? sizeof(float) : AT_ONCE;
+    char *scratch = (char *)hc_particles_scratch(particles, sizeof *order + AT_ONCE) + behind;
     for (size_t at = 0; at < bytes; at += part) {
       char *data = (char *)particles->data[field] + at;
-      gather(particles->scratch, data, bytes, part, order, count);
-      scatter(data, particles->scratch, bytes, part, count);
+      gather(scratch, data, bytes, part, order, count);
+      scatter(data, scratch, bytes, part, count);
     }
   }
   particles->own = count;
 }
 
-void *hc_particles_scratch(hc_particles *particles, size_t bytes) {
-  hc_reserve(&particles->scratch, &particles->scratch_capacity, (size_t)particles->own * bytes, 0, 1);
-  return particles->scratch;
+void hc_particles_trim(hc_particles *particles) {
+  hc_free(particles->scratch);
+  particles->scratch = NULL;
+  particles->scratch_capacity = 0;
 }
 
 size_t hc_particles_block_bytes(const hc_particles *particles) {

@@ -139,8 +139,10 @@ void hc_particles_permute(hc_particles *particles, const int32_t *order, int32_t
  * are dropped. Fields that are not carried keep no meaning. */
 void hc_particles_remove(hc_particles *particles, const int32_t *indices, int32_t count);
 
-/* Work space of `bytes` for each own particle, the store's own; the next permutation overwrites it. */
+/* Work space of `bytes` for each own particle, the store's own; the next permutation overwrites it, but for a
+ * word for each particle at its beginning, where the order may stand. Trim gives it back. */
 void *hc_particles_scratch(hc_particles *particles, size_t bytes);
+void hc_particles_trim(hc_particles *particles);
 
 /* Bytes of what one particle carries, and copies between a particle and such a packed block. */
 size_t hc_particles_block_bytes(const hc_particles *particles);

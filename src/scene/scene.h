@@ -50,7 +50,8 @@ typedef struct hc_revolution {
   bool closed; /* walls; a block always is */
 } hc_revolution;
 
-/* What is made of a mesh or a revolution when the scene is read, see setup/meshes.h; freed with the scene. */
+/* What is made of a mesh or a revolution when the scene is read, see setup/meshes.h; freed with the scene,
+ * or before. */
 typedef struct hc_made_surface {
   struct hc_surface *surface; /* null: not made */
   void (*free)(struct hc_surface *surface);
@@ -349,5 +350,8 @@ static inline double hc_scene_shock_rise(const hc_scene *scene) {
 }
 
 void hc_scene_free(hc_scene *scene);
+
+/* Frees what was made of meshes and revolutions, which nothing asks for once the particles are there. */
+void hc_scene_free_surfaces(hc_scene *scene);
 
 #endif

@@ -34,6 +34,19 @@ int64_t hc_gaps_total(const hc_gaps *gaps) {
   return gaps->count > 0 ? gaps->gaps[gaps->count - 1].before_end : 0;
 }
 
+int64_t hc_gaps_before(const hc_gaps *gaps, int64_t k) {
+  int64_t low = 0, high = gaps->count; /* gaps below `low` end before the sample */
+  while (low < high) {
+    const int64_t middle = low + (high - low) / 2;
+    if (gaps->gaps[middle].end <= k)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  const int64_t before = low > 0 ? gaps->gaps[low - 1].before_end : 0;
+  return low < gaps->count && gaps->gaps[low].start < k ? before + k - gaps->gaps[low].start : before;
+}
+
 int64_t hc_gaps_kept(const hc_gaps *gaps, int64_t place) {
   int64_t low = 0, high = gaps->count; /* gaps below `low` lie before the sample */
   while (low < high) {

@@ -26,6 +26,9 @@ bool hc_gaps_hold(const hc_gaps *gaps, int64_t k);
 /* How many are left out in all. */
 int64_t hc_gaps_total(const hc_gaps *gaps);
 
+/* How many are left out below sample k. */
+int64_t hc_gaps_before(const hc_gaps *gaps, int64_t k);
+
 /* The sample that is number `place` among those that are kept. */
 int64_t hc_gaps_kept(const hc_gaps *gaps, int64_t place);
 

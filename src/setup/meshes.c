@@ -152,6 +152,14 @@ static hc_status check_extent(const loading *l, const entry *e, const hc_mesh *m
   return HC_OK;
 }
 
+static void gather(void *context, const void *mine, size_t bytes, void **all, size_t *total) {
+  hc_comm_gather_all(context, mine, bytes, all, total);
+}
+
+hc_parts hc_setup_parts(hc_comm *comm) {
+  return comm ? (hc_parts){comm->rank, comm->size, comm, gather} : hc_parts_alone;
+}
+
 static void make(const loading *l, const entry *e) {
   hc_mesh mesh = {0};
   hc_error *const error = hc_alloc_zero(1, sizeof *error);
@@ -159,7 +167,8 @@ static void make(const loading *l, const entry *e) {
   if ((e->form == HC_FORM_MESH ? load_mesh : turn_profile)(l, e, &mesh, error) == HC_OK &&
       check_extent(l, e, &mesh, error) == HC_OK) {
     surface = hc_surface_make(&mesh, e->closed);
-    if (e->wall) hc_surface_samples_make(surface, l->spacing, l->layers, e->fluid_inside, error);
+    const hc_parts parts = hc_setup_parts(l->comm);
+    if (e->wall) hc_surface_samples_make(surface, l->spacing, l->layers, e->fluid_inside, &parts, error);
   }
   hc_mesh_free(&mesh);
   if (error->status != HC_OK) {

@@ -1,12 +1,13 @@
 #include "populate.h"
 
 #include "base/memory.h"
+#include "geometry/parts.h"
 #include "setup/flow.h"
 #include "setup/union.h"
 
 static const int64_t max_own = ((int64_t)1 << 31) - 64; /* local indices are int32_t, with room for padding */
 
-static hc_status plan_sources(const hc_scene *scene, hc_setup_plan *plan, hc_error *error) {
+static hc_status plan_sources(hc_comm *comm, const hc_scene *scene, hc_setup_plan *plan, hc_error *error) {
   for (int number = 0; number < scene->fluid.block_count; number++) {
     hc_setup_source *const source = &plan->fluid[plan->fluid_sources++];
     const hc_status status =
@@ -23,7 +24,7 @@ static hc_status plan_sources(const hc_scene *scene, hc_setup_plan *plan, hc_err
     if (status) return status;
     if (scene->boundary.walls[number].motion.type != HC_WALL_STANDS) source->moves = number + 1;
   }
-  hc_union_drop(&plan->frame, plan->boundary, plan->boundary_sources);
+  hc_union_drop(comm, &plan->frame, plan->boundary, plan->boundary_sources);
   for (int number = 0; number < plan->boundary_sources; number++) {
     plan->boundary[number].first = plan->boundary_count;
     plan->boundary_count += hc_source_count(&plan->boundary[number]);
@@ -31,7 +32,7 @@ static hc_status plan_sources(const hc_scene *scene, hc_setup_plan *plan, hc_err
   return HC_OK;
 }
 
-hc_status hc_setup_plan_make(const hc_scene *scene, const hc_frame *frame, hc_setup_plan *plan,
+hc_status hc_setup_plan_make(hc_comm *comm, const hc_scene *scene, const hc_frame *frame, hc_setup_plan *plan,
                              hc_error *error) {
   *plan = (hc_setup_plan){0};
   const int blocks = scene->fluid.block_count, walls = scene->boundary.wall_count;
@@ -45,7 +46,7 @@ hc_status hc_setup_plan_make(const hc_scene *scene, const hc_frame *frame, hc_se
   for (int a = 0; a < 3; a++)
     plan->disorder[a] = (int64_t)(scene->fluid.disorder * (double)frame->spacing[a]);
   plan->seed = (uint64_t)scene->fluid.seed;
-  const hc_status status = plan_sources(scene, plan, error);
+  const hc_status status = plan_sources(comm, scene, plan, error);
   if (status) hc_setup_plan_free(plan);
   return status;
 }
@@ -58,14 +59,8 @@ void hc_setup_plan_free(hc_setup_plan *plan) {
   *plan = (hc_setup_plan){0};
 }
 
-/* floor(count part / size) without the product, which may exceed 64 bits. */
-static int64_t share_start(int64_t count, int part, int size) {
-  return count / size * part + count % size * part / size;
-}
-
 void hc_setup_share(int64_t count, int rank, int size, int64_t *first, int64_t *last) {
-  *first = share_start(count, rank, size);
-  *last = share_start(count, rank + 1, size);
+  hc_parts_share(&(hc_parts){.part = rank, .count = size}, count, first, last);
 }
 
 /* Evenly distributed in [-largest, largest], from the id and the seed alone (the mixer of splitmix64, Steele
@@ -98,31 +93,48 @@ static void place(const hc_setup_plan *plan, const hc_setup_source *source, int6
   for (int a = 0; a < 3; a++) particles->normal[3 * index + a] = (float)normal[a];
 }
 
-/* The part of a source's samples in [first, last) of all. */
-static void part_of(const hc_setup_source *source, int64_t first, int64_t last, int64_t *from, int64_t *to) {
-  const int64_t end = source->first + hc_source_count(source);
-  *from = first > source->first ? first : source->first;
-  *to = last < end ? last : end;
+/* Which of the kept samples of a source, [first, last), are a rank's: fluid in one range of all blocks
+ * together, walls each for itself, as the samples of surfaces are shared out. */
+static void part_of(const hc_setup_plan *plan, const hc_setup_source *source, int rank, int size,
+                    int64_t *first, int64_t *last) {
+  if (source->kind == HC_ID_BOUNDARY) {
+    hc_setup_share(hc_sampling_count(&source->sampling), rank, size, first, last);
+    *first -= hc_gaps_before(&source->gaps, *first);
+    *last -= hc_gaps_before(&source->gaps, *last);
+    return;
+  }
+  const int64_t count = hc_source_count(source);
+  hc_setup_share(plan->fluid_count, rank, size, first, last);
+  *first = *first < source->first ? 0 : *first - source->first;
+  *last = *last < source->first + count ? *last - source->first : count;
 }
 
-/* Fills a store with what of the samples [first, last) belongs to it. */
-static void generate(const hc_setup_plan *plan, const hc_setup_source *sources, int source_count,
-                     int64_t first, int64_t last, hc_particles *particles) {
-  const bool moved = particles->kind & HC_MOVED;
-  int64_t count = 0, from, to;
+/* How many of the sources' samples are a rank's: of fluid or walls that stand still, or of what moves. */
+static int64_t own_of(const hc_setup_plan *plan, const hc_setup_source *sources, int source_count, bool moved,
+                      int rank, int size) {
+  int64_t own = 0;
   for (int s = 0; s < source_count; s++) {
-    part_of(&sources[s], first, last, &from, &to);
-    if (moved == (sources[s].moves > 0) && to > from) count += to - from;
+    int64_t first, last;
+    if (moved != (sources[s].moves > 0)) continue;
+    part_of(plan, &sources[s], rank, size, &first, &last);
+    if (last > first) own += last - first;
   }
+  return own;
+}
+
+/* Fills a store with what of the rank's samples belongs to it. */
+static void generate(const hc_setup_plan *plan, const hc_setup_source *sources, int source_count, int rank,
+                     int size, hc_particles *particles) {
+  const bool moved = particles->kind & HC_MOVED;
   hc_particles_resize(particles, 0); /* what it held before must not live on as state */
-  hc_particles_resize(particles, (int32_t)count);
+  hc_particles_resize(particles, (int32_t)own_of(plan, sources, source_count, moved, rank, size));
   int64_t index = 0;
   for (int s = 0; s < source_count; s++) {
-    const hc_setup_source *const source = &sources[s];
-    if (moved != (source->moves > 0)) continue;
-    part_of(source, first, last, &from, &to);
-    for (int64_t at = from; at < to; at++)
-      place(plan, source, hc_gaps_kept(&source->gaps, at - source->first), particles, index++);
+    int64_t first, last;
+    if (moved != (sources[s].moves > 0)) continue;
+    part_of(plan, &sources[s], rank, size, &first, &last);
+    for (int64_t at = first; at < last; at++)
+      place(plan, &sources[s], hc_gaps_kept(&sources[s].gaps, at), particles, index++);
   }
 }
 
@@ -140,11 +152,9 @@ void hc_setup_velocities(const hc_setup_plan *plan, hc_particles *fluid) {
 }
 
 hc_status hc_setup_check_share(const hc_setup_plan *plan, int rank, int size, hc_error *error) {
-  int64_t first, last;
-  hc_setup_share(plan->fluid_count, rank, size, &first, &last);
-  const int64_t fluid_own = last - first;
-  hc_setup_share(plan->boundary_count, rank, size, &first, &last);
-  const int64_t boundary_own = last - first;
+  const int64_t fluid_own = own_of(plan, plan->fluid, plan->fluid_sources, false, rank, size);
+  const int64_t boundary_own = own_of(plan, plan->boundary, plan->boundary_sources, false, rank, size) +
+                               own_of(plan, plan->boundary, plan->boundary_sources, true, rank, size);
   if (fluid_own > max_own || boundary_own > max_own)
     return hc_error_set(error, HC_BAD_INPUT,
                         "a rank can hold at most %lld particles of a kind; rank %d of %d would get %lld of "
@@ -158,12 +168,9 @@ hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_pa
                             hc_particles *boundary, hc_particles *moving, hc_error *error) {
   const hc_status status = hc_setup_check_share(plan, rank, size, error);
   if (status) return status;
-  int64_t fluid_first, fluid_last, boundary_first, boundary_last;
-  hc_setup_share(plan->fluid_count, rank, size, &fluid_first, &fluid_last);
-  hc_setup_share(plan->boundary_count, rank, size, &boundary_first, &boundary_last);
-  generate(plan, plan->fluid, plan->fluid_sources, fluid_first, fluid_last, fluid);
+  generate(plan, plan->fluid, plan->fluid_sources, rank, size, fluid);
   hc_setup_velocities(plan, fluid);
-  generate(plan, plan->boundary, plan->boundary_sources, boundary_first, boundary_last, boundary);
-  generate(plan, plan->boundary, plan->boundary_sources, boundary_first, boundary_last, moving);
+  generate(plan, plan->boundary, plan->boundary_sources, rank, size, boundary);
+  generate(plan, plan->boundary, plan->boundary_sources, rank, size, moving);
   return HC_OK;
 }

@@ -1,11 +1,12 @@
 /* From a scene to its particles: a plan of all samplings, and the share of one rank.
  *
- * Every rank makes the same plan and generates a range of indices, so nothing is communicated and no rank
- * holds more than its share. Where the particles belong is not looked at: migration brings them to their
- * owners. */
+ * Every rank makes the same plan and generates its share of each source; only where walls that are surfaces
+ * meet others do ranks ask each other, for none holds more than its share of a surface's samples. Where the
+ * particles belong is not looked at: migration brings them to their owners. */
 #ifndef HC_POPULATE_H
 #define HC_POPULATE_H
 
+#include "comm/comm.h"
 #include "particles/particles.h"
 #include "setup/source.h"
 
@@ -25,8 +26,8 @@ typedef struct hc_setup_plan {
  * empty and needs no freeing. Errors (HC_BAD_INPUT): boxes turned inside out or thinner than nothing,
  * coordinates beyond 2^31 cells, directions and lengths of nothing, a block or wall that reaches around a
  * periodic axis and meets itself, more than 2^40 particles in one source, more than 2^20 sources of a kind.
- * Local. */
-hc_status hc_setup_plan_make(const hc_scene *scene, const hc_frame *frame, hc_setup_plan *plan,
+ * Collective over `comm`; null: this process alone, which then holds all samples of surfaces. */
+hc_status hc_setup_plan_make(hc_comm *comm, const hc_scene *scene, const hc_frame *frame, hc_setup_plan *plan,
                              hc_error *error);
 void hc_setup_plan_free(hc_setup_plan *plan);
 
@@ -42,7 +43,9 @@ hc_status hc_setup_check_share(const hc_setup_plan *plan, int rank, int size, hc
  * source, index of the sample), velocity, and of walls the normals, of moving ones the reference, which is
  * the position but not wrapped; all other state is 0. Together the shares of all ranks are the same particles
  * for any number of ranks. Errors (HC_BAD_INPUT): more than 2^31 - 64 particles of a kind on this rank; the
- * stores are then unchanged. Local: agree on the status afterwards. */
+ * stores are then unchanged. `rank` and `size`
+ * are those of the plan's communicator; a plan of one process can make the share of any. Local: agree on the
+ * status afterwards. */
 hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_particles *fluid,
                             hc_particles *boundary, hc_particles *moving, hc_error *error);
 

@@ -278,7 +278,8 @@ double hc_source_layer_reach(const hc_setup_source *wall) {
 
 void hc_source_normal(const hc_frame *frame, const hc_setup_source *wall, int64_t k, double normal[3]) {
   if (wall->sampling.listed) {
-    for (int a = 0; a < 3; a++) normal[a] = wall->sampling.listed[k].normal[a];
+    const hc_surface_sample *const sample = &wall->sampling.listed[k - wall->sampling.listed_first];
+    for (int a = 0; a < 3; a++) normal[a] = sample->normal[a];
     return;
   }
   int64_t point[3];

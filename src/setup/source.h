@@ -53,7 +53,7 @@ double hc_source_layer_distance(const hc_frame *frame, const hc_setup_source *wa
 /* The radius of the smallest sphere about the shape's centre that holds all of a wall's layers, m. */
 double hc_source_layer_reach(const hc_setup_source *wall);
 
-/* The normal at a wall's sample k, see hc_shape_sample_normal. Local. */
+/* The normal at a wall's sample k, see hc_shape_sample_normal; of a surface's only those held here. Local. */
 void hc_source_normal(const hc_frame *frame, const hc_setup_source *wall, int64_t k, double normal[3]);
 
 /* Particles that the source makes. */

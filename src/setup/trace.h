@@ -16,6 +16,9 @@ typedef struct hc_trace {
   bool (*found)(void *context, int64_t k, const int64_t point[3], const double x[3]);
 } hc_trace;
 
+/* All samples, or those from `first` to before `end`. */
+void hc_trace_part(const hc_frame *frame, const hc_sampling *sampling, int64_t first, int64_t end,
+                   const hc_trace *trace);
 void hc_trace_run(const hc_frame *frame, const hc_sampling *sampling, const hc_trace *trace);
 
 /* The particle spacing, m. */

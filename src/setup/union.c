@@ -17,6 +17,7 @@ typedef struct near_sample {
 
 /* One wall against the earlier ones. */
 typedef struct crossing {
+  hc_comm *comm; /* null: alone */
   const hc_frame *frame;
   hc_setup_source *wall;
   const hc_setup_source **earlier; /* those whose surface comes near */
@@ -26,7 +27,33 @@ typedef struct crossing {
   int64_t cell[3]; /* units */
   near_sample *near;
   size_t near_count, near_room;
+  int64_t *dropped; /* samples of the wall */
+  size_t dropped_count, dropped_room;
 } crossing;
+
+/* What was found among the samples of a wall, from `before` on: of a surface, by all ranks in the shares that
+ * they hold, together; of other walls each has found all. */
+static void share_found(const crossing *c, const hc_setup_source *of, size_t size, size_t before,
+                        void **found, size_t *count, size_t *room) {
+  if (!c->comm || !of->sampling.listed) return;
+  void *all;
+  size_t bytes;
+  hc_reserve(found, room, *count + 1, *count, size);
+  hc_comm_gather_all(c->comm, (char *)*found + before * size, (*count - before) * size, &all, &bytes);
+  hc_reserve(found, room, before + bytes / size, before, size);
+  memcpy((char *)*found + before * size, all, bytes);
+  *count = before + bytes / size;
+  hc_free(all);
+}
+
+/* Looks at the samples of a wall that this rank answers for. */
+static void look_at(const crossing *c, const hc_setup_source *of, const hc_trace *trace) {
+  const hc_sampling *const sampling = &of->sampling;
+  if (sampling->listed)
+    hc_trace_part(c->frame, sampling, sampling->listed_first, sampling->listed_end, trace);
+  else
+    hc_trace_run(c->frame, sampling, trace);
+}
 
 static int compare_cells(const void *left, const void *right) {
   const int64_t *const a = ((const near_sample *)left)->cell, *const b = ((const near_sample *)right)->cell;
@@ -121,7 +148,8 @@ static bool judge(void *context, int64_t k, const int64_t point[3], const double
       image[a] = hc_frame_wrap(c->frame, a, point[a]) + shift[a] * period[a];
     }
     if (!needed || !is_crowded(c, image)) continue;
-    hc_gaps_add(&c->wall->gaps, k);
+    hc_reserve((void **)&c->dropped, &c->dropped_room, 2 * c->dropped_count + 1, c->dropped_count, sizeof k);
+    c->dropped[c->dropped_count++] = k;
     return true;
   }
   return true;
@@ -133,8 +161,25 @@ static bool may_meet(const crossing *c, const hc_setup_source *other) {
          distance_to(c, c->wall, other->shape.centre) <= hc_source_layer_reach(other);
 }
 
-void hc_union_drop(const hc_frame *frame, hc_setup_source *walls, int count) {
-  crossing c = {.frame = frame,
+/* The samples of an earlier wall that are near this one. */
+static void collect_from(crossing *c, const hc_setup_source *earlier) {
+  const size_t before = c->near_count;
+  c->from = earlier;
+  look_at(c, earlier, &(hc_trace){c, clearance_of_wall, collect});
+  share_found(c, earlier, sizeof *c->near, before, (void **)&c->near, &c->near_count, &c->near_room);
+}
+
+/* Leaves out samples of this wall. */
+static void drop(crossing *c) {
+  c->dropped_count = 0;
+  look_at(c, c->wall, &(hc_trace){c, clearance_of_earlier, judge});
+  share_found(c, c->wall, sizeof *c->dropped, 0, (void **)&c->dropped, &c->dropped_count, &c->dropped_room);
+  for (size_t k = 0; k < c->dropped_count; k++) hc_gaps_add(&c->wall->gaps, c->dropped[k]);
+}
+
+void hc_union_drop(hc_comm *comm, const hc_frame *frame, hc_setup_source *walls, int count) {
+  crossing c = {.comm = comm,
+                .frame = frame,
                 .spacing = hc_trace_spacing(frame),
                 .earlier = hc_alloc((size_t)count, sizeof *c.earlier)};
   for (int a = 0; a < 3; a++) c.cell[a] = (int64_t)ceil(crowding * c.spacing / frame->unit[a]);
@@ -145,14 +190,12 @@ void hc_union_drop(const hc_frame *frame, hc_setup_source *walls, int count) {
     for (int e = 0; e < w; e++)
       if (walls[e].moves == c.wall->moves && may_meet(&c, &walls[e]))
         c.earlier[c.earlier_count++] = &walls[e];
-    for (int e = 0; e < c.earlier_count; e++) {
-      c.from = c.earlier[e];
-      hc_trace_run(frame, &c.from->sampling, &(hc_trace){&c, clearance_of_wall, collect});
-    }
+    for (int e = 0; e < c.earlier_count; e++) collect_from(&c, c.earlier[e]);
     if (c.near_count == 0) continue;
     qsort(c.near, c.near_count, sizeof *c.near, compare_cells);
-    hc_trace_run(frame, &c.wall->sampling, &(hc_trace){&c, clearance_of_earlier, judge});
+    drop(&c);
   }
   hc_free(c.near);
+  hc_free(c.dropped);
   hc_free((void *)c.earlier);
 }

@@ -1,5 +1,6 @@
 #include "simulation.h"
 
+#include "base/cgroup.h"
 #include "base/memory.h"
 #include "footprint.h"
 #include "setup/controls.h"
@@ -21,9 +22,10 @@ static hc_isa agree_on_isa(hc_comm *comm) {
 static hc_status check_memory(hc_comm *comm, const hc_scene *scene, const hc_setup_plan *plan,
                               hc_error *error) {
   const double needed = hc_footprint_least(scene, plan, comm->size), gibibyte = 1 << 30;
-  const int sharing = hc_comm_machine_ranks(comm);
-  const double share = (double)hc_memory_machine() / sharing, allowed = (double)hc_memory_allowed();
-  const double most = share < allowed ? share : allowed;
+  const hc_cgroup_limit limit = hc_cgroup_memory("");
+  const int sharing = hc_comm_machine_ranks(comm, 0), grouped = hc_comm_machine_ranks(comm, limit.group);
+  const double share = fmin((double)hc_memory_machine() / sharing, (double)limit.bytes / grouped);
+  const double most = fmin(share, (double)hc_memory_allowed());
   if (needed > most)
     hc_error_set(
         error, HC_FAILED,
@@ -138,7 +140,7 @@ static hc_status plan_particles(hc_simulation *simulation, hc_error *error) {
   const hc_scene *scene = simulation->scene;
   if (hc_prescribed_emitters_make(scene, &simulation->world.frame, &simulation->population.emitters, error) ==
           HC_OK &&
-      hc_setup_plan_make(scene, &simulation->world.frame, plan, error) == HC_OK &&
+      hc_setup_plan_make(simulation->comm, scene, &simulation->world.frame, plan, error) == HC_OK &&
       hc_setup_limits(scene, plan, &simulation->population.emitters, &simulation->population.limits, error) ==
           HC_OK)
     check_memory(simulation->comm, scene, plan, error);

@@ -12,6 +12,8 @@
  * fill it 1 % under. */
 #include "dfsph.h"
 
+#include "sph/error_rule.h"
+
 #include <math.h>
 #include <string.h>
 

@@ -10,6 +10,8 @@
  * are those of the last prediction, before the last correction, as in the paper. */
 #include "pcisph.h"
 
+#include "sph/error_rule.h"
+
 #include "base/memory.h"
 
 #include <math.h>

@@ -17,8 +17,6 @@ void hc_cells_free(hc_cells *cells) {
   hc_free(cells->begin);
   hc_free(cells->count);
   hc_free(cells->own_cells);
-  hc_free(cells->slot);
-  hc_free(cells->order);
   memset(cells, 0, sizeof *cells);
 }
 
@@ -50,11 +48,20 @@ bool hc_cells_around(const hc_cells *cells, hc_brick brick, int32_t adjacent[HC_
   return any;
 }
 
-void hc_cells_bin(hc_cells *cells, const hc_particles *particles) {
+/* The sort's work space, in the particles' scratch: the new order of each, and its cell (brick * 64 + cell).
+ */
+static int32_t *order_of(hc_particles *particles) {
+  return hc_particles_scratch(particles, 3 * sizeof(int32_t));
+}
+static int32_t *slots_of(hc_particles *particles) {
+  return order_of(particles) + particles->own;
+}
+
+void hc_cells_bin(hc_cells *cells, hc_particles *particles) {
   const int32_t own = particles->own;
   hc_brick_set_clear(&cells->bricks);
   cells->own_cell_count = 0;
-  hc_reserve((void **)&cells->slot, &cells->slot_capacity, (size_t)own, 0, sizeof *cells->slot);
+  int32_t *slot = slots_of(particles);
   hc_brick last = {{0, 0, 0}};
   int32_t index = -1;
   for (int32_t k = 0; k < own; k++) {
@@ -65,7 +72,7 @@ void hc_cells_bin(hc_cells *cells, const hc_particles *particles) {
       last = brick;
     }
     HC_CHECK(index < INT32_MAX / HC_BRICK_CELLS, "too many bricks on one rank: %d", index);
-    cells->slot[k] = index * HC_BRICK_CELLS + cell;
+    slot[k] = index * HC_BRICK_CELLS + cell;
     cells->count[index][cell]++;
   }
 }
@@ -175,15 +182,16 @@ void hc_cells_order(hc_cells *cells, hc_particles *particles) {
   HC_CHECK(end == own, "every own particle must have a cell: %d of %d", end, own);
   hc_free(sorted);
 
-  hc_reserve((void **)&cells->order, &cells->order_capacity, (size_t)own, 0, sizeof *cells->order);
+  int32_t *order = order_of(particles);
+  const int32_t *slots = slots_of(particles);
   int32_t *begin = (int32_t *)cells->begin, *count = (int32_t *)cells->count; /* by slot */
-  for (int32_t k = 0; k < own; k++) cells->order[begin[cells->slot[k]]++] = k;
+  for (int32_t k = 0; k < own; k++) order[begin[slots[k]]++] = k;
   for (int32_t k = 0; k < cells->own_cell_count; k++) {
     const int32_t slot = cells->own_cells[k];
     begin[slot] -= count[slot];
-    sort_by_id(cells->order + begin[slot], count[slot], particles->id);
+    sort_by_id(order + begin[slot], count[slot], particles->id);
   }
-  hc_particles_permute(particles, cells->order, own);
+  hc_particles_permute(particles, order, own);
   hc_particles_resize(particles, own);
   particles->border = border;
   hc_place_refresh(particles);

@@ -26,9 +26,6 @@ typedef struct hc_cells {
   int32_t *own_cells;               /* occupied own cells as brick * 64 + cell, in memory order */
   int32_t own_cell_count;
   size_t brick_capacity[3], own_cells_capacity;
-  int32_t *slot,
-      *order; /* work space of the sort: brick * 64 + cell of each own particle, and its new order */
-  size_t slot_capacity, order_capacity;
 } hc_cells;
 
 static inline int hc_cell_in_brick(int x, int y, int z) {
@@ -71,8 +68,9 @@ static inline int32_t hc_cells_next(const int32_t adjacent[HC_ADJACENT], int cel
 /* The sort, in two halves, between which the caller may set border bits of the occupied cells. Local.
  * Bin: forgets everything and finds each own particle's cell. Order: permutes the particles into border cells
  * first, then the others, each row-major (z, y, x), ids ascending in a cell; sets begin, count, own_cells,
- * particles->border; fills particles->place. No ghosts afterwards. */
-void hc_cells_bin(hc_cells *cells, const hc_particles *particles);
+ * particles->border; fills particles->place. No ghosts afterwards. Between the two the particles' scratch is
+ * taken. */
+void hc_cells_bin(hc_cells *cells, hc_particles *particles);
 void hc_cells_order(hc_cells *cells, hc_particles *particles);
 
 /* Fills `place` of own particles from their positions, scalar 0. Local. */

@@ -28,4 +28,11 @@ static inline void hc_error_apply(const hc_sweep *sweep, const hc_error_rule *ru
   hc_error_note(fabsf(e), total);
 }
 
+/* The end of an error sweep for particles whose place.scalar already holds dD/dt. */
+void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
+                        hc_error_total *total);
+
+/* The sum as an exact sum, NaN if an error was not finite. */
+hc_sum hc_error_sum(const hc_error_total *total);
+
 #endif

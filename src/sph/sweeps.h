@@ -167,13 +167,6 @@ const hc_sweeps *hc_sweeps_portable(void);
 const hc_sweeps *hc_sweeps_avx2(void);
 const hc_sweeps *hc_sweeps_avx512(void);
 
-/* The end of an error sweep for particles whose place.scalar already holds dD/dt. */
-void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
-                        hc_error_total *total);
-
-/* The sum as an exact sum, NaN if an error was not finite. */
-hc_sum hc_error_sum(const hc_error_total *total);
-
 /* Kernel constants for a support radius and particle volume; the arrays are left null. */
 hc_sweep hc_sweep_make(const hc_frame *frame, double volume, double rest_density);
 

@@ -103,6 +103,7 @@ static void place_walls(hc_world *world, hc_store_id id) {
 /* Walls that stand still, and those that move behind them. */
 static void place_boundary(hc_world *world) {
   place_walls(world, HC_STORE_BOUNDARY);
+  hc_particles_trim(world->boundary); /* they are seldom sorted */
   place_walls(world, HC_STORE_MOVING);
 }
 

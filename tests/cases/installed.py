@@ -3,9 +3,9 @@
 
     installed.py BUILD [--mpiexec CMD]
 
-Installs the build directory into a temporary prefix and builds examples/embed.c against it: with find_package, with
-pkg-config, and with pkg-config against the static library. Each program must follow the same dam break on two ranks,
-and pass on a scene's errors.
+Installs the build directory into a temporary prefix, where only public headers may stand under include/, and builds
+include/examples/embed.c against it: with find_package, with pkg-config, and with pkg-config against the static library.
+Each program must follow the same dam break on two ranks, and pass on a scene's errors.
 """
 
 import argparse
@@ -40,7 +40,7 @@ def library_folder(prefix):
 
 def with_cmake(prefix, folder):
     build = folder / "cmake"
-    call(["cmake", "-S", c.SOURCE / "examples", "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}"])
+    call(["cmake", "-S", c.SOURCE / "include/examples", "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}"])
     call(["cmake", "--build", build])
     return build / "embed"
 
@@ -51,7 +51,7 @@ def with_pkg_config(prefix, folder, static):
     flags = call(["pkg-config", "--cflags", "--libs", *(["--static"] if static else []), "halocline"], env=environment)
     words = [w if w != "-lhalocline" or not static else "-l:libhalocline.a" for w in shlex.split(flags)]
     program = folder / ("static" if static else "shared")
-    call(["mpicc", "-Wall", "-Wextra", "-Werror", "-std=c17", c.SOURCE / "examples/embed.c", "-o", program, *words])
+    call(["mpicc", "-Wall", "-Wextra", "-Werror", "-std=c17", c.SOURCE / "include/examples/embed.c", "-o", program, *words])
     return program
 
 
@@ -93,6 +93,8 @@ def main():
             call(["cmake", "--install", options.build, "--prefix", prefix])
             for path in INSTALLED:
                 c.expect((prefix / path).is_file(), f"{path} was not installed")
+            others = sorted(p.name for p in (prefix / "include").iterdir() if p.name != "halocline")
+            c.expect(not others, f"include/ has {others} beside the public headers")
             headers_stand_alone(prefix, folder)
             programs = [with_cmake(prefix, folder), with_pkg_config(prefix, folder, False),
                         with_pkg_config(prefix, folder, True)]

@@ -11,7 +11,8 @@
 START_TEST(ranks_are_what_the_launcher_said) {
   EXPECT(comm.rank >= 0 && comm.rank < comm.size);
   EXPECT(comm.size == 1 || hc_comm_launched_rank() == comm.rank);
-  EXPECT(hc_comm_machine_ranks(&comm) == comm.size); /* tests run on one machine */
+  EXPECT(hc_comm_machine_ranks(&comm, 0) == comm.size); /* tests run on one machine */
+  EXPECT(hc_comm_machine_ranks(&comm, comm.rank % 2) == (comm.size + !(comm.rank % 2)) / 2);
 }
 END_TEST
 
@@ -102,7 +103,12 @@ START_TEST(the_lowest_rank_with_an_error_speaks) {
 }
 END_TEST
 
+/* The tests below run with messages whole and in parts: some fit, some fill a part to the last byte. */
+static const size_t part_limits[] = {1 << 30, 1, 3, 8, 100};
+enum { PART_LIMITS = sizeof part_limits / sizeof *part_limits };
+
 START_TEST(every_rank_may_broadcast) {
+  hc_comm_set_part_limit(&comm, part_limits[_i]);
   for (int root = 0; root < comm.size; root++) {
     uint64_t data[100];
     for (int k = 0; k < 100; k++) data[k] = comm.rank == root ? mix((uint64_t)(k + 1000 * root)) : 0;
@@ -132,7 +138,7 @@ static unsigned char byte_of(int round, int from, int to, size_t k) {
 static size_t length_of(int round, int from, int to) {
   const uint64_t bits = mix(((uint64_t)round << 20) + (uint64_t)(from * 64 + to));
   return bits % 5 == 0   ? 0
-         : bits % 7 == 0 ? 20000
+         : bits % 7 == 0 ? (comm.part_limit < 20000 ? 800 : 20000)
                          : bits % 300; /* short ones may be sent eagerly, long ones not */
 }
 
@@ -150,19 +156,30 @@ static bool holds(const void *data, size_t bytes, int round, int from, int to) {
   return good;
 }
 
+/* Are these everybody's blocks of a round? */
+static bool holds_all(const char *all, size_t total, int round) {
+  bool good = true;
+  size_t expected = 0;
+  for (int rank = 0; rank < comm.size; rank++) {
+    const size_t length = length_of(round, rank, 0);
+    good &= expected + length <= total && holds(all + expected, length, round, rank, 0);
+    expected += length;
+  }
+  return good && total == expected;
+}
+
 START_TEST(blocks_are_gathered_in_rank_order) {
+  hc_comm_set_part_limit(&comm, part_limits[_i]);
   for (int round = 0; round < 20; round++) {
-    size_t bytes, total, expected = 0;
+    size_t bytes, total;
     char *mine = content_of(round, comm.rank, 0, &bytes);
     void *all;
     hc_comm_gather_all(&comm, mine, bytes, &all, &total);
-    bool good = true;
-    for (int rank = 0; rank < comm.size; rank++) {
-      const size_t length = length_of(round, rank, 0);
-      good &= expected + length <= total && holds((char *)all + expected, length, round, rank, 0);
-      expected += length;
-    }
-    EXPECT(good && total == expected);
+    EXPECT(holds_all(all, total, round));
+    hc_free(all);
+    const int root = round % comm.size;
+    hc_comm_gather(&comm, mine, bytes, root, &all, &total);
+    EXPECT(comm.rank == root ? holds_all(all, total, round) : !all && total == 0);
     hc_free(all);
     hc_free(mine);
   }
@@ -197,6 +214,7 @@ static bool sends(int round, int from, int to) {
 
 /* Many rounds in a row with no other call between them: a fast rank runs ahead of a slow one. */
 START_TEST(sparse_exchanges_deliver_what_was_sent) {
+  hc_comm_set_part_limit(&comm, part_limits[_i]);
   hc_message *out = hc_alloc((size_t)comm.size, sizeof *out);
   bool good = true;
   for (int round = 0; round < 120; round++) {
@@ -253,7 +271,7 @@ static void partners_make(partners *p, int round) {
       *from = (hc_message){rank, bytes, hc_alloc_zero(bytes, 1)};
     }
   }
-  p->exchange = (hc_exchange){sent, received, p->send, p->receive, p->requests, 0};
+  p->exchange = (hc_exchange){sent, received, p->send, p->receive, p->requests, NULL, 0};
 }
 
 static bool partners_hold(const partners *p, int round) {
@@ -272,6 +290,7 @@ static void partners_free(partners *p) {
 }
 
 START_TEST(known_partners_exchange_again_and_again) {
+  hc_comm_set_part_limit(&comm, part_limits[_i]);
   bool good = true;
   for (int round = 0; round < 16; round++) {
     partners p;
@@ -290,6 +309,7 @@ END_TEST
 
 /* Two at a time, told apart by their tags, with other calls in between. */
 START_TEST(exchanges_may_overlap) {
+  hc_comm_set_part_limit(&comm, part_limits[_i]);
   partners first, second;
   partners_make(&first, 0);
   partners_make(&second, 8);
@@ -318,11 +338,11 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, exact_sums_take_open_carries_and_flags);
   tcase_add_test(tests, reductions_are_element_by_element);
   tcase_add_test(tests, the_lowest_rank_with_an_error_speaks);
-  tcase_add_test(tests, every_rank_may_broadcast);
+  tcase_add_loop_test(tests, every_rank_may_broadcast, 0, PART_LIMITS);
   tcase_add_test(tests, prefixes_are_over_the_ranks_below);
-  tcase_add_test(tests, blocks_are_gathered_in_rank_order);
-  tcase_add_test(tests, sparse_exchanges_deliver_what_was_sent);
-  tcase_add_test(tests, known_partners_exchange_again_and_again);
-  tcase_add_test(tests, exchanges_may_overlap);
+  tcase_add_loop_test(tests, blocks_are_gathered_in_rank_order, 0, PART_LIMITS);
+  tcase_add_loop_test(tests, sparse_exchanges_deliver_what_was_sent, 0, PART_LIMITS);
+  tcase_add_loop_test(tests, known_partners_exchange_again_and_again, 0, PART_LIMITS);
+  tcase_add_loop_test(tests, exchanges_may_overlap, 0, PART_LIMITS);
   return run_mpi_tests("comm", tests);
 }

@@ -79,9 +79,9 @@ static void expect_named(break_what what, const char *sentence) {
                   "%s", error.text);
     if (comm.rank == 0) { /* as one rank says it */
       hc_comm self;
-      memset(&self, 0, sizeof self);
-      MPI_Comm_dup(MPI_COMM_SELF, &self.mpi);
-      self.size = 1;
+      hc_error none = {.status = HC_OK};
+      const int handle = MPI_Comm_c2f(MPI_COMM_SELF);
+      ck_assert_int_eq(hc_comm_start_on(&self, &handle, &none), HC_OK);
       break_and_step(&self, &scene, what, id, &alone);
       hc_comm_finish(&self);
     }

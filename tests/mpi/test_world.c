@@ -187,9 +187,9 @@ static outcome run_alone(const hc_scene *scene, double speed, int steps) {
   memset(&result, 0, sizeof result);
   if (comm.rank == 0) {
     hc_comm alone;
-    memset(&alone, 0, sizeof alone);
-    MPI_Comm_dup(MPI_COMM_SELF, &alone.mpi);
-    alone.size = 1;
+    hc_error error = {.status = HC_OK};
+    const int self = MPI_Comm_c2f(MPI_COMM_SELF);
+    ck_assert_int_eq(hc_comm_start_on(&alone, &self, &error), HC_OK);
     result = run(&alone, scene, speed, steps);
     hc_comm_finish(&alone);
   }

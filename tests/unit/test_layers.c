@@ -201,7 +201,7 @@ START_TEST(particles_have_normals) {
     hc_frame frame;
     hc_setup_plan plan;
     ck_assert_int_eq(hc_setup_frame(&scene, &frame, NULL), HC_OK);
-    ck_assert_int_eq(hc_setup_plan_make(&scene, &frame, &plan, NULL), HC_OK);
+    ck_assert_int_eq(hc_setup_plan_make(NULL, &scene, &frame, &plan, NULL), HC_OK);
     counts[layers] = plan.boundary_count;
     hc_particles fluid, boundary, moving;
     hc_particles_init(&moving, HC_BOUNDARY | HC_MOVED, HC_FOR_ALL);

@@ -136,7 +136,8 @@ static bool on_layer(const hc_surface *surface, double side, double x[3]) {
  * and normals. Frees the surface. */
 static void assert_even(const char *name, hc_surface *surface, int layers, bool fluid_inside) {
   hc_error error = {0};
-  ck_assert_int_eq(hc_surface_samples_make(surface, DX, layers, fluid_inside, &error), HC_OK);
+  ck_assert_int_eq(hc_surface_samples_make(surface, DX, layers, fluid_inside, &hc_parts_alone, &error),
+                   HC_OK);
   const double side = fluid_inside ? -1 : 1;
   double least = INFINITY, most = 0, hole = 0;
   for (int64_t k = 0; k < surface->sample_count; k++) {
@@ -189,7 +190,7 @@ START_TEST(normals_are_those_of_the_shape) {
                                                                              sphere_mesh(centre, 0.8, 3),
                                                                              true);
   hc_error error;
-  ck_assert_int_eq(hc_surface_samples_make(box, DX, 2, true, &error), HC_OK);
+  ck_assert_int_eq(hc_surface_samples_make(box, DX, 2, true, &hc_parts_alone, &error), HC_OK);
   int64_t faces = 0, edges = 0, corners = 0;
   for (int64_t k = 0; k < box->sample_count; k++) {
     const double *const n = box->samples[k].normal, *const x = box->samples[k].x;
@@ -209,7 +210,7 @@ START_TEST(normals_are_those_of_the_shape) {
   ck_assert_int_eq(corners, 16);
   ck_assert_int_gt(edges, 80);
   ck_assert_int_gt(faces, edges);
-  ck_assert_int_eq(hc_surface_samples_make(ball, DX, 1, false, &error), HC_OK);
+  ck_assert_int_eq(hc_surface_samples_make(ball, DX, 1, false, &hc_parts_alone, &error), HC_OK);
   double worst = 1;
   for (int64_t k = 0; k < ball->sample_count; k++) {
     double along = 0, square = 0;
@@ -233,7 +234,7 @@ START_TEST(thin_walls_have_what_fits) {
   for (int thick = 0; thick < 2; thick++) {
     const double high[3] = {1, 1, thick ? 2 * DX : 0.5 * DX};
     hc_surface *const plate = surface_of(box_mesh(none, high), true);
-    ck_assert_int_eq(hc_surface_samples_make(plate, DX, 2, false, NULL), HC_OK);
+    ck_assert_int_eq(hc_surface_samples_make(plate, DX, 2, false, &hc_parts_alone, NULL), HC_OK);
     ck_assert_int_gt(plate->sample_count, thick ? 150 : 75);
     ck_assert_int_lt(plate->sample_count, thick ? 240 : 120);
     for (int64_t k = 0; k < plate->sample_count; k++) {
@@ -252,7 +253,7 @@ START_TEST(sheets_have_one_side) {
   hc_mesh mesh = box_mesh(none, (double[]){1, 1, 1});
   mesh.triangle_count = 6; /* what looks along -x, +x and -y */
   hc_surface *const sheet = surface_of(mesh, false);
-  ck_assert_int_eq(hc_surface_samples_make(sheet, DX, 1, false, NULL), HC_OK);
+  ck_assert_int_eq(hc_surface_samples_make(sheet, DX, 1, false, &hc_parts_alone, NULL), HC_OK);
   ck_assert_int_gt(sheet->sample_count, 220);
   for (int64_t k = 0; k < sheet->sample_count; k++) {
     const double *const x = sheet->samples[k].x;
@@ -269,7 +270,8 @@ END_TEST
 
 START_TEST(the_same_mesh_gives_the_same_samples) {
   hc_surface *const two[2] = {surface_of(torus_mesh(), true), surface_of(torus_mesh(), true)};
-  for (int k = 0; k < 2; k++) ck_assert_int_eq(hc_surface_samples_make(two[k], DX, 2, false, NULL), HC_OK);
+  for (int k = 0; k < 2; k++)
+    ck_assert_int_eq(hc_surface_samples_make(two[k], DX, 2, false, &hc_parts_alone, NULL), HC_OK);
   ck_assert_int_eq(two[0]->sample_count, two[1]->sample_count);
   ck_assert_mem_eq(two[0]->samples, two[1]->samples, (size_t)two[0]->sample_count * sizeof *two[0]->samples);
   for (int k = 0; k < 2; k++) hc_surface_free(two[k]);
@@ -279,7 +281,7 @@ END_TEST
 START_TEST(too_much_to_sample_is_refused) {
   hc_surface *const box = surface_of(box_mesh(box_low, box_high), true);
   hc_error error = {0};
-  ck_assert_int_eq(hc_surface_samples_make(box, 1e-6, 1, false, &error), HC_BAD_INPUT);
+  ck_assert_int_eq(hc_surface_samples_make(box, 1e-6, 1, false, &hc_parts_alone, &error), HC_BAD_INPUT);
   ck_assert_ptr_nonnull(strstr(error.text, "is its scale right?"));
   hc_surface_free(box);
 }

@@ -3,6 +3,7 @@
 #include "boundary/boundary.h"
 #include "cloud.h"
 #include "setup/rest_lattice.h"
+#include "sph/error_rule.h"
 
 #include <check.h>
 

@@ -169,7 +169,7 @@ START_TEST(poses_do_not_add_up) {
   hc_setup_plan plan;
   hc_error error;
   ck_assert_int_eq(hc_setup_frame(&scene, &frame, &error), HC_OK);
-  ck_assert_int_eq(hc_setup_plan_make(&scene, &frame, &plan, &error), HC_OK);
+  ck_assert_int_eq(hc_setup_plan_make(NULL, &scene, &frame, &plan, &error), HC_OK);
   hc_particles fluid, still, boundary;
   hc_particles_init(&fluid, HC_FLUID, HC_FOR_ALL);
   hc_particles_init(&still, HC_BOUNDARY, HC_FOR_ALL);

@@ -187,7 +187,7 @@ static hc_setup_plan plan_of(const hc_scene *scene) {
   const hc_frame frame = frame_of(scene);
   hc_setup_plan plan;
   hc_error error = {0};
-  ck_assert_msg(hc_setup_plan_make(scene, &frame, &plan, &error) == HC_OK, "%s", error.text);
+  ck_assert_msg(hc_setup_plan_make(NULL, scene, &frame, &plan, &error) == HC_OK, "%s", error.text);
   return plan;
 }
 
@@ -369,7 +369,7 @@ static void assert_no_plan(const hc_scene *scene, const char *const *words) {
   const hc_frame frame = frame_of(scene);
   hc_setup_plan plan;
   hc_error error = {0};
-  ck_assert_int_eq(hc_setup_plan_make(scene, &frame, &plan, &error), HC_BAD_INPUT);
+  ck_assert_int_eq(hc_setup_plan_make(NULL, scene, &frame, &plan, &error), HC_BAD_INPUT);
   for (; *words; words++)
     ck_assert_msg(strstr(error.text, *words) != NULL, "no '%s' in: %s", *words, error.text);
 }

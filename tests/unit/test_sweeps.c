@@ -1,6 +1,7 @@
 /* The pair sweeps against plain double-precision sums over all pairs, for every instruction set; and what
  * must hold of them whatever the numbers are. */
 #include "cloud.h"
+#include "sph/error_rule.h"
 
 #include <check.h>
 

@@ -13,7 +13,7 @@ install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/halocline FILES_MA
 # find_package(Halocline): Halocline::halocline (shared) and Halocline::halocline_static
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Halocline)
 install(EXPORT halocline NAMESPACE Halocline:: FILE HaloclineTargets.cmake DESTINATION ${package})
-configure_package_config_file(cmake/HaloclineConfig.cmake.in HaloclineConfig.cmake INSTALL_DESTINATION ${package}
+configure_package_config_file(scripts/cmake/HaloclineConfig.cmake.in HaloclineConfig.cmake INSTALL_DESTINATION ${package}
                               NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(HaloclineConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/HaloclineConfig.cmake ${PROJECT_BINARY_DIR}/HaloclineConfigVersion.cmake
@@ -33,5 +33,5 @@ endforeach()
 list(APPEND private_libraries -lm)
 list(REMOVE_DUPLICATES private_libraries)
 list(JOIN private_libraries " " private_libraries)
-configure_file(cmake/halocline.pc.in halocline.pc @ONLY)
+configure_file(scripts/cmake/halocline.pc.in halocline.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/halocline.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

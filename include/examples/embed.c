@@ -3,7 +3,7 @@
  *   mpicc embed.c -o embed $(pkg-config --cflags --libs halocline)
  *   mpirun -n 2 ./embed SCENE.yaml STEPS [KEY=VALUE...]
  *
- * The README says what to add where the library is not in the system's folders. */
+ * include/README.md says what to add where the library is not in the system's folders. */
 #include <halocline/halocline.h>
 
 #include <mpi.h>

@@ -1,0 +1,171 @@
+/* Messages from rank to rank: to those that do not know of them, and between known partners. */
+#include "base/check.h"
+#include "base/memory.h"
+#include "calls.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static int by_rank(const void *a, const void *b) {
+  return ((const hc_message *)a)->rank - ((const hc_message *)b)->rank;
+}
+
+static void append(hc_message **list, int *count, size_t *capacity, hc_message message) {
+  hc_reserve((void **)list, capacity, (size_t)*count + 1, (size_t)*count, sizeof **list);
+  (*list)[(*count)++] = message;
+}
+
+/* A message that fills its first part has its whole size and the parts that are left behind it, under another
+ * tag, so that shorter ones are one message of MPI's. */
+static bool has_rest(const hc_comm *comm, size_t first_part) {
+  return first_part == comm->part_limit;
+}
+
+static void receive_rest(hc_comm *comm, int tag, hc_message *message) {
+  const size_t first_part = message->bytes;
+  hc_calls_receive(comm, &message->bytes, sizeof message->bytes, 0, message->rank, tag);
+  void *whole = hc_alloc(message->bytes, 1);
+  memcpy(whole, message->data, first_part);
+  hc_free(message->data);
+  message->data = whole;
+  hc_calls_receive(comm, whole, message->bytes, first_part, message->rank, tag);
+}
+
+/* Takes one waiting message off the line, if there is any. */
+static bool receive_one(hc_comm *comm, int parity, hc_message *message) {
+  const int tag = TAG_SPARSE + parity;
+  int waiting = 0;
+  MPI_Status status;
+  CHECK_MPI(MPI_Iprobe(MPI_ANY_SOURCE, tag, comm->mpi, &waiting, &status));
+  if (!waiting) return false;
+  int bytes = 0;
+  CHECK_MPI(MPI_Get_count(&status, MPI_BYTE, &bytes));
+  *message = (hc_message){status.MPI_SOURCE, (size_t)bytes, hc_alloc((size_t)bytes, 1)};
+  CHECK_MPI(MPI_Recv(message->data, bytes, MPI_BYTE, message->rank, tag, comm->mpi, MPI_STATUS_IGNORE));
+  if (has_rest(comm, message->bytes)) receive_rest(comm, TAG_SPARSE_REST + parity, message);
+  return true;
+}
+
+/* Posts a message: its first part is received before its request is done. Returns the number of requests. */
+static size_t send_one(hc_comm *comm, int parity, const hc_message *message, MPI_Request *requests) {
+  const int first_part = hc_calls_part(comm, message->bytes, 0), tag = TAG_SPARSE_REST + parity;
+  CHECK_MPI(MPI_Issend(message->data, first_part, MPI_BYTE, message->rank, TAG_SPARSE + parity, comm->mpi,
+                       requests));
+  size_t posted = 1;
+  if (has_rest(comm, (size_t)first_part)) {
+    const hc_message size = {message->rank, sizeof message->bytes, (void *)&message->bytes};
+    posted += hc_calls_post_sends(comm, &size, 0, tag, requests + posted);
+    posted += hc_calls_post_sends(comm, message, (size_t)first_part, tag, requests + posted);
+  }
+  comm->bytes_sent += (int64_t)message->bytes;
+  comm->messages_sent++;
+  return posted;
+}
+
+/* Requests that a message may take: its parts, and those of its size. */
+static size_t requests_for(const hc_comm *comm, const hc_message *message) {
+  return has_rest(comm, (size_t)hc_calls_part(comm, message->bytes, 0))
+             ? 2 + hc_calls_further_parts(comm, message->bytes) +
+                   hc_calls_further_parts(comm, sizeof message->bytes)
+             : 1;
+}
+
+void hc_comm_sparse(hc_comm *comm, const hc_message *out, int out_count, hc_message **in, int *in_count) {
+  const hc_visit start = hc_calls_enter(comm);
+  *in = NULL;
+  *in_count = 0;
+  size_t capacity = 0;
+  hc_reserve((void **)in, &capacity, 1, 0, sizeof **in);
+  /* A fast rank may be one exchange ahead of a slow one, never two: two sets of tags keep them apart. */
+  const int parity = comm->sparse_parity;
+  comm->sparse_parity ^= 1;
+
+  size_t room = 0, sends = 0;
+  for (int k = 0; k < out_count; k++) room += requests_for(comm, &out[k]);
+  MPI_Request *requests = hc_alloc(room, sizeof *requests);
+  for (int k = 0; k < out_count; k++) {
+    if (out[k].rank == comm->rank) {
+      hc_message own = {comm->rank, out[k].bytes, hc_alloc(out[k].bytes, 1)};
+      memcpy(own.data, out[k].data, own.bytes);
+      append(in, in_count, &capacity, own);
+      continue;
+    }
+    sends += send_one(comm, parity, &out[k], requests + sends);
+  }
+  if (comm->size > 1) {
+    comm->sparse_exchanges++;
+    MPI_Request barrier = MPI_REQUEST_NULL;
+    for (int finished = 0; !finished;) {
+      hc_message message;
+      if (receive_one(comm, parity, &message)) append(in, in_count, &capacity, message);
+      if (barrier == MPI_REQUEST_NULL) {
+        int all_taken = 0; /* a synchronous send completes when its receiver took it */
+        CHECK_MPI(MPI_Testall((int)sends, requests, &all_taken, MPI_STATUSES_IGNORE));
+        if (all_taken) CHECK_MPI(MPI_Ibarrier(comm->mpi, &barrier));
+      } else {
+        CHECK_MPI(MPI_Test(&barrier, &finished, MPI_STATUS_IGNORE));
+      }
+    }
+  }
+  hc_free(requests);
+  qsort(*in, (size_t)*in_count, sizeof **in, by_rank);
+  hc_calls_leave(comm, start);
+}
+
+void hc_messages_free(hc_message *messages, int count) {
+  for (int k = 0; k < count; k++) hc_free(messages[k].data);
+  hc_free(messages);
+}
+
+/* Requests beyond one for each message, where some come in parts. */
+static size_t further_requests(const hc_comm *comm, const hc_exchange *exchange) {
+  size_t count = 0;
+  for (int k = 0; k < exchange->send_count; k++)
+    count += hc_calls_further_parts(comm, exchange->send[k].bytes);
+  for (int k = 0; k < exchange->receive_count; k++)
+    count += hc_calls_further_parts(comm, exchange->receive[k].bytes);
+  return count;
+}
+
+void hc_comm_exchange_begin(hc_comm *comm, hc_exchange *exchange, int tag) {
+  const hc_visit start = hc_calls_enter(comm);
+  const size_t further = further_requests(comm, exchange);
+  exchange->many = further
+                       ? hc_alloc((size_t)exchange->send_count + (size_t)exchange->receive_count + further,
+                                  sizeof(MPI_Request))
+                       : NULL;
+  MPI_Request *requests = exchange->many ? exchange->many : exchange->requests;
+  size_t posted = 0;
+  const hc_message *own = NULL;
+  for (int k = 0; k < exchange->receive_count; k++) {
+    const hc_message *from = &exchange->receive[k];
+    if (from->rank == comm->rank)
+      own = from;
+    else
+      posted += hc_calls_post_receives(comm, from, 0, TAG_EXCHANGE + tag, requests + posted);
+  }
+  for (int k = 0; k < exchange->send_count; k++) {
+    const hc_message *to = &exchange->send[k];
+    if (to->rank == comm->rank) {
+      HC_CHECK(own && own->bytes >= to->bytes, "an exchange with oneself must match, sent %zu bytes",
+               to->bytes);
+      memcpy(own->data, to->data, to->bytes);
+      continue;
+    }
+    posted += hc_calls_post_sends(comm, to, 0, TAG_EXCHANGE + tag, requests + posted);
+    comm->bytes_sent += (int64_t)to->bytes;
+    comm->messages_sent++;
+  }
+  exchange->pending = (int)posted;
+  hc_calls_leave(comm, start);
+}
+
+void hc_comm_exchange_end(hc_comm *comm, hc_exchange *exchange) {
+  const hc_visit start = hc_calls_enter(comm);
+  CHECK_MPI(MPI_Waitall(exchange->pending, exchange->many ? exchange->many : exchange->requests,
+                        MPI_STATUSES_IGNORE));
+  hc_free(exchange->many);
+  exchange->many = NULL;
+  exchange->pending = 0;
+  hc_calls_leave(comm, start);
+}

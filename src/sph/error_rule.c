@@ -1,0 +1,23 @@
+#include "error_rule.h"
+
+#include <string.h>
+
+void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
+                        hc_error_total *total) {
+  const float per_density = 1.0f / sweep->rest_density;
+  for (int32_t row = selection.begin; row < selection.end; row++) {
+    const int32_t i = hc_selected(selection, row);
+    hc_error_apply(sweep, rule, per_density, row, i, sweep->fluid->place[i].scalar, total);
+  }
+}
+
+hc_sum hc_error_sum(const hc_error_total *total) {
+  hc_sum sum;
+  memset(&sum, 0, sizeof sum);
+  const int64_t mask = 0xffffffff;
+  hc_sum_add(&sum, (double)(int64_t)(total->sum >> 64) * (0x1p64 / HC_ERROR_UNITS));
+  hc_sum_add(&sum, (double)((int64_t)(total->sum >> 32) & mask) * (0x1p32 / HC_ERROR_UNITS));
+  hc_sum_add(&sum, (double)((int64_t)total->sum & mask) / HC_ERROR_UNITS);
+  if (total->not_finite) hc_sum_add(&sum, NAN);
+  return sum;
+}
