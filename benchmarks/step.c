@@ -9,6 +9,7 @@
 #include "simulation/step.h"
 #include "base/check.h"
 #include "base/memory.h"
+#include "solver/dfsph.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -122,7 +123,7 @@ static void measure(hc_simulation *simulation, const char *name, int steps) {
 }
 
 static void measure_dfsph(hc_simulation *simulation, int steps) {
-  hc_solver_settings *settings = &simulation->solver_settings;
+  hc_dfsph_settings *settings = (hc_dfsph_settings *)simulation->solver_settings;
   settings->density_max = 2;
   settings->divergence_max = 1;
   measure(simulation, "fixed", steps);

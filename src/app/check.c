@@ -107,15 +107,14 @@ static size_text size_of(double bytes) {
 
 static void put_text(const hc_scene *scene, const hc_estimate *estimate) {
   char number[HC_TEXT_NUMBER];
-  const bool constant = scene->time_step.control == HC_TIME_CONSTANT;
   printf("scene               %s\n", scene->name);
   printf("particle spacing    %g m, support radius %g m\n", scene->particle_spacing, scene->support_radius);
   put_particles(scene, estimate);
   put_limits(scene, estimate);
   printf("first time step     %s s, bounded by: %s\n", hc_text_number(number, estimate->first_step),
          hc_step_bound_name(estimate->bound));
-  printf("end time            %g s, %s%" PRId64 " steps\n", scene->end_time, constant ? "" : "at least ",
-         estimate->steps);
+  printf("end time            %g s, %s%" PRId64 " steps\n", scene->end_time,
+         estimate->steps_exact ? "" : "at least ", estimate->steps);
   put_memory(estimate);
   printf("output              about %s: at most %" PRId64 " snapshots of %s\n",
          size_of(estimate->output_bytes).text, estimate->snapshots, size_of(estimate->snapshot_bytes).text);
@@ -239,7 +238,7 @@ static void put_json(const hc_scene *scene, const hc_estimate *estimate) {
   hc_json_string(&json, "bound", hc_step_bound_name(estimate->bound));
   hc_json_end(&json);
   hc_json_integer(&json, "steps", estimate->steps);
-  hc_json_bool(&json, "steps_exact", scene->time_step.control == HC_TIME_CONSTANT);
+  hc_json_bool(&json, "steps_exact", estimate->steps_exact);
   put_json_costs(&json, estimate);
   hc_json_end(&json);
 }

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "gauges/gauges.h"
 #include "io/snapshot.h"
+#include "setup/controls.h"
 #include "setup/settings.h"
 #include "setup/world_frame.h"
 #include "simulation/footprint.h"
@@ -126,14 +127,15 @@ static hc_status estimate_particles(const hc_setup_plan *plan, hc_estimate *esti
 /* ---- time ---- */
 
 static void estimate_steps(const hc_scene *scene, double v2_max, double prescribed, hc_estimate *estimate) {
-  const hc_step_settings step = hc_settings_step(scene);
+  hc_control control = hc_setup_control(scene);
   const hc_step_report start = hc_settings_start_report(scene, fmax(v2_max, prescribed * prescribed));
-  estimate->first_step =
-      hc_time_step_next(&step, 0.0, hc_settings_settle_step(scene), &start, &estimate->bound);
-  hc_step_bound unused;
+  estimate->first_step = hc_control_next(&control, 0.0, hc_setup_settle_step(scene), &start);
+  estimate->bound = control.bound;
   const hc_step_report still = {.v_max = 0.0};
-  const double longest = hc_time_step_next(&step, 0.0, INFINITY, &still, &unused);
+  const double longest = hc_control_next(&control, 0.0, INFINITY, &still);
   estimate->steps = (int64_t)ceil(scene->end_time / longest * (1.0 - 1e-12));
+  estimate->steps_exact = control.ops->foreseen;
+  hc_control_free(&control);
 }
 
 /* ---- memory ---- */
@@ -196,7 +198,7 @@ static hc_status estimate_output(const hc_scene *scene, hc_estimate *estimate, h
   const double every = scene->output.snapshots_every;
   const double intervals = every > 0.0 ? ceil(scene->end_time / every * (1.0 - 1e-12)) : 1.0;
   estimate->snapshots = 1 + (int64_t)intervals;
-  if (scene->time_step.control == HC_TIME_CONSTANT && estimate->snapshots > estimate->steps + 1)
+  if (estimate->steps_exact && estimate->snapshots > estimate->steps + 1)
     estimate->snapshots = estimate->steps + 1;
   estimate->snapshot_bytes = (double)bytes;
   estimate->checkpoint_bytes = (double)estimate->fluid_most * hc_footprint_fluid_state(scene) +

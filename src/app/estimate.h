@@ -48,7 +48,8 @@ typedef struct hc_estimate {
   double limits_low[3], limits_high[3]; /* m: of the world; infinite where there are none */
   double first_step;                    /* s, exactly what run takes */
   hc_step_bound bound;                  /* what bounds it */
-  int64_t steps;                        /* at least; exactly if steps are constant */
+  int64_t steps;                        /* at least, */
+  bool steps_exact;                     /* or just as many */
   int64_t ranks;
   double memory, memory_program, memory_fluid, memory_boundary, memory_ghosts, memory_writing; /* bytes */
   int64_t snapshots;                                                                           /* at most */

@@ -45,7 +45,7 @@ static standout find_standout(const hc_world *world, hc_step_bound bound) {
 
 void hc_explain_time_step(hc_explained *explained, const hc_simulation *simulation, hc_log *log) {
   const double dt = simulation->dt;
-  const hc_step_bound bound = simulation->bound;
+  const hc_step_bound bound = simulation->control.bound;
   const bool far = dt < 0.5 * explained->dt || dt > 2.0 * explained->dt;
   if (!far && (bound == explained->bound || bound == HC_BOUND_END)) return;
   /* A bound that takes turns with another one, or with growth, is no news. */

@@ -125,17 +125,17 @@ hc_status hc_job_add_load_row(hc_job *job, const hc_job_load *load, double wall_
 
 hc_status hc_job_take_back(hc_job *job, hc_error *error) {
   const hc_simulation *simulation = &job->simulation;
-  const hc_rollback *rollback = &simulation->rollback;
-  const hc_shock_guard *guard = &rollback->guard;
+  const hc_control *control = &simulation->control;
+  const hc_shock_guard *guard = &control->guard;
+  const int back = simulation->rollback.back;
   char what[HC_SHOCK_TEXT];
   hc_shock_text(&guard->shock, what);
   hc_log_info(&job->log,
               "step %lld, t = %g s: shock: %s; v_max %.4g m/s, force_max %.4g m/s2; back %d step%s to step "
               "%lld, t = %g s, restart %lld: time step %.4g s -> %.4g s",
-              (long long)simulation->step + rollback->back, guard->shock.time, what, rollback->v_max,
-              rollback->force_max, rollback->back, rollback->back == 1 ? "" : "s",
-              (long long)simulation->step, simulation->time, (long long)guard->restarts, guard->shock.dt,
-              guard->next);
+              (long long)simulation->step + back, guard->shock.time, what, control->v_max, control->force_max,
+              back, back == 1 ? "" : "s", (long long)simulation->step, simulation->time,
+              (long long)guard->restarts, guard->shock.dt, guard->next);
   if (job->comm->rank == 0 &&
       hc_run_dir_cut(job->directory, simulation->step, job->counts.snapshots, error) == HC_OK)
     hc_tables_cut(&job->tables, simulation->step, job->counts.gauge_time, error);
@@ -188,8 +188,8 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
       .rebalance_seconds = simulation->balance.seconds,
       .moved_particles = simulation->balance.moved,
       .imbalance = hc_balance_mean_imbalance(&simulation->balance),
-      .rollbacks = simulation->rollback.guard.rollbacks,
-      .rollback_steps = simulation->rollback.guard.steps,
+      .rollbacks = simulation->control.guard.rollbacks,
+      .rollback_steps = simulation->control.guard.steps,
       .ghosts = spread(job->comm, world->fluid->ghosts + world->boundary->ghosts + world->moving->ghosts),
       .private_bytes = spread(job->comm, (double)hc_memory_private()),
       .memory_bytes = spread(job->comm, (double)hc_memory_peak()),
@@ -201,12 +201,15 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
   hc_log_info(&job->log, "time steps from %.4g to %.4g s; steps with a density off by more than %g %%: %lld",
               job->counts.shortest_step, job->counts.longest_step, 100.0 * HC_JOB_MOST_COMPRESSION,
               (long long)job->counts.compressed_steps);
-  hc_log_info(&job->log, "iteration caps hit: density solver %lld, divergence solver %lld of %lld steps",
-              (long long)job->counts.density_caps, (long long)job->counts.divergence_caps,
-              (long long)simulation->step);
-  if (hc_simulation_may_go_back(simulation))
+  if (simulation->solver->summary) {
+    const hc_solver_caps caps = {job->counts.density_caps, job->counts.divergence_caps, simulation->step};
+    char text[256];
+    simulation->solver->summary(&caps, text, sizeof text);
+    hc_log_info(&job->log, "%s", text);
+  }
+  if (hc_control_may_go_back(&simulation->control))
     hc_log_info(&job->log, "rollbacks: %lld, which took back %lld steps",
-                (long long)simulation->rollback.guard.rollbacks, (long long)simulation->rollback.guard.steps);
+                (long long)simulation->control.guard.rollbacks, (long long)simulation->control.guard.steps);
   for (int k = 0; k < simulation->population.emitters.count; k++) {
     const hc_emitter *emitter = &simulation->population.emitters.emitters[k];
     hc_log_info(&job->log, "%s: %lld particles in %lld layers, %lld left out for want of room",

@@ -171,7 +171,7 @@ static void judge_step(hc_job *job, char *event, size_t size) {
         &job->log, job->counts.density_caps,
         "step %lld: density solver at its cap of %d iterations, average error %.3g, allowed %.3g",
         (long long)simulation->step, report->density_iterations, report->density_error_avg,
-        simulation->solver_settings.density_error_avg);
+        job->scene->solver.density_error_avg);
   }
   if (report->divergence_capped) {
     job->counts.divergence_caps++;
@@ -188,9 +188,9 @@ static void judge_step(hc_job *job, char *event, size_t size) {
                         100.0 * HC_JOB_MOST_COMPRESSION);
   }
   tell_departures(job, event, size);
-  if (simulation->rollback.before > 0)
+  if (simulation->control.before > 0)
     snprintf(event + strlen(event), size - strlen(event), "%srollback:%lld", event[0] ? "+" : "",
-             (long long)simulation->rollback.before);
+             (long long)simulation->control.before);
   tell_blocked(job, event, size);
   if (job->counts.shortest_step == 0.0 || simulation->dt < job->counts.shortest_step)
     job->counts.shortest_step = simulation->dt;
@@ -299,7 +299,7 @@ static hc_status run_steps(hc_job *job, hc_error *error) {
   job->started = job->last_checkpoint = hc_seconds();
   done done = {.load = measure_load(job, job->comm->bytes_sent)};
   bool last = hc_job_is_over(job);
-  int owed = hc_simulation_may_go_back(simulation) ? 2 : 1;
+  int owed = hc_control_may_go_back(&simulation->control) ? 2 : 1;
   while (!last) {
     if (step_and_report(job, &done, error) != HC_OK) return error->status;
     if (done.taken_back) continue;

@@ -4,7 +4,7 @@
 
 #include "complaints.h"
 #include "params.h"
-#include "reader.h"
+#include "scene_limits.h"
 #include "yaml.h"
 
 typedef struct hc_conversion {

@@ -3,7 +3,7 @@
 #define HC_FILL_H
 
 #include "given.h"
-#include "reader.h"
+#include "scene_limits.h"
 
 /* Fills the zeroed struct `owner`; lists are allocated with hc_alloc and become the struct's. Marks bad
  * values in `given`. Complains of all that is wrong. */

@@ -36,6 +36,14 @@ hc_given_value *hc_given_value_of(const hc_given *given, const char *path) {
   return &given->values[param - given->table->params];
 }
 
+bool hc_given_has(const hc_given *given, const char *path) {
+  return hc_given_value_of(given, path)->node != NULL;
+}
+
+bool hc_given_is_bad(const hc_given *given, const char *path) {
+  return hc_given_value_of(given, path)->bad;
+}
+
 hc_place hc_given_place_of(const hc_given *given, const char *path) {
   const hc_given_value *value = hc_given_value_of(given, path);
   return value->node ? value->place : given->place;

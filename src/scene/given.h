@@ -43,6 +43,10 @@ void hc_given_override(hc_given *given, const char *path, const hc_yaml_node *no
 /* The value of a key that must be in the table. */
 hc_given_value *hc_given_value_of(const hc_given *given, const char *path);
 
+/* Is the key given; is it complained of? */
+bool hc_given_has(const hc_given *given, const char *path);
+bool hc_given_is_bad(const hc_given *given, const char *path);
+
 /* Where to point for a key: its value, or the map that lacks it. */
 hc_place hc_given_place_of(const hc_given *given, const char *path);
 

@@ -93,12 +93,11 @@ static void free_override(override *o) {
 }
 
 /* The scene's meaning, once its keys are in order. */
-static void check_meaning(hc_scene *scene, const hc_given *given, const char *name,
-                          const hc_scene_limits *limits, hc_complaints *complaints, hc_complaints *warnings) {
-  if (!limits || complaints->total > 0) return;
-  hc_findings findings = {given, complaints, warnings};
-  if (limits->load) limits->load(limits->context, scene, name, &findings);
-  if (limits->check && complaints->total == 0) limits->check(scene, &findings);
+static void check_meaning(hc_scene *scene, const char *name, const hc_scene_limits *limits,
+                          hc_findings *findings) {
+  if (!limits || findings->errors->total > 0) return;
+  if (limits->load) limits->load(limits->context, scene, name, findings);
+  if (limits->check && findings->errors->total == 0) limits->check(scene, findings);
 }
 
 /* Scene, from a parsed file and the overrides. The complaints refer to `applied`. */
@@ -119,8 +118,10 @@ static void read_tree(hc_scene *scene, const hc_yaml *yaml, const hc_source *sou
   for (int k = 0; k < override_count; k++)
     apply_override(&applied[k], overrides[k], k + 1, &given, complaints);
   hc_fill(&given, scene, limits, complaints);
+  hc_findings findings = {&given, complaints, warnings};
+  if (limits && limits->complete) limits->complete(scene, &findings);
   hc_rules_apply(scene, &given, source->name, complaints);
-  check_meaning(scene, &given, source->name, limits, complaints, warnings);
+  check_meaning(scene, source->name, limits, &findings);
   if (complaints->total == 0) hc_rules_drop_unused(scene, &given, warnings);
   hc_given_free(&given);
 }

@@ -6,25 +6,13 @@
 #ifndef HC_READER_H
 #define HC_READER_H
 
-#include "findings.h"
 #include "scene.h"
+#include "scene_limits.h"
 
 #include "base/warnings.h"
 #include "halocline/error.h"
 
 #include <stddef.h>
-
-/* What scene/ cannot know. The arrays stay the caller's. */
-typedef struct hc_scene_limits {
-  const char *const *snapshot_fields; /* allowed in output.snapshots.fields */
-  int snapshot_field_count;
-  /* Looks at a scene whose keys are all in order, such as hc_setup_review; null: nobody. Local. */
-  void (*check)(const hc_scene *scene, hc_findings *findings);
-  /* Before that, loads the files that such a scene names, from the folder of the scene file `name`, such as
-   * hc_setup_meshes_load; null: nobody. Collective if its context says so. */
-  void (*load)(void *context, hc_scene *scene, const char *name, hc_findings *findings);
-  void *context;
-} hc_scene_limits;
 
 /* Reads the bytes of a scene file into `*text` (zero-terminated beyond `*length`, freed with hc_free).
  * HC_BAD_INPUT if there is no such file, or it is a folder, empty or far too large for a scene. */
@@ -32,7 +20,8 @@ hc_status hc_scene_load(const char *path, char **text, size_t *length, hc_error 
 
 /* Reads a scene from the `length` bytes of `text`; `name` stands for the file in messages and gives the
  * default scene name. `overrides` are "path.to.key=value", the value in YAML, applied over the text in their
- * order. `limits` may be null: any names are taken. On HC_OK `scene` is complete and checked, to be freed
+ * order. `limits` may be null: any names are taken, and methods
+ * complete nothing. On HC_OK `scene` is complete and checked, to be freed
  * with hc_scene_free, and what is valid but doubtful was added to `warnings` (which may be null); otherwise
  * it is empty and `error` tells all that is wrong (HC_BAD_INPUT). */
 hc_status hc_scene_read_text(hc_scene *scene, const char *name, const char *text, size_t length,

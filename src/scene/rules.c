@@ -11,24 +11,18 @@
 
 static const char axes[] = "xyz";
 
-static bool is_given(const hc_given *given, const char *path) {
-  return hc_given_value_of(given, path)->node != NULL;
-}
-
-static bool is_bad(const hc_given *given, const char *path) {
-  return hc_given_value_of(given, path)->bad;
-}
-
 /* A key that other keys make required. */
 static void require(const hc_given *given, const char *path, const char *reason, hc_complaints *complaints) {
-  if (is_given(given, path) || is_bad(given, path)) return;
+  if (hc_given_has(given, path) || hc_given_is_bad(given, path)) return;
   hc_complaints_add(complaints, given->place, "missing key '%s%s', required %s", given->prefix, path, reason);
 }
 
 /* `max` above `min` along the wanted axes (null: all). */
 static void check_box(const hc_given *given, const char *low, const char *high, const double min[3],
                       const double max[3], const bool wanted[3], hc_complaints *complaints) {
-  if (is_bad(given, low) || is_bad(given, high) || !is_given(given, low) || !is_given(given, high)) return;
+  if (hc_given_is_bad(given, low) || hc_given_is_bad(given, high) || !hc_given_has(given, low) ||
+      !hc_given_has(given, high))
+    return;
   for (int k = 0; k < 3; k++) {
     if ((wanted && !wanted[k]) || max[k] > min[k]) continue;
     char low_text[HC_PARAM_NUMBER_TEXT], high_text[HC_PARAM_NUMBER_TEXT];
@@ -45,7 +39,7 @@ static bool names_folder(const char *name) {
 }
 
 static void check_name(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
-  if (is_bad(given, "name") || names_folder(scene->name)) return;
+  if (hc_given_is_bad(given, "name") || names_folder(scene->name)) return;
   hc_complaints_add(complaints, hc_given_place_of(given, "name"),
                     "name must do as a folder's name: without '/', not '.' or '..', not '%s'", scene->name);
 }
@@ -71,7 +65,7 @@ static void name_scene(hc_scene *scene, const char *file_name) {
 }
 
 static void check_support(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
-  if (is_bad(given, "particle_spacing") || is_bad(given, "support_radius")) return;
+  if (hc_given_is_bad(given, "particle_spacing") || hc_given_is_bad(given, "support_radius")) return;
   const double spacing = scene->particle_spacing;
   /* Cubes of it and their inverses must be numbers, in single precision too. */
   if (spacing < 1e-9 || spacing > 1e9) {
@@ -81,7 +75,7 @@ static void check_support(hc_scene *scene, const hc_given *given, hc_complaints 
                       "particle_spacing must be 1e-9 to 1e9, not %s", seen);
     return;
   }
-  if (!is_given(given, "support_radius")) scene->support_radius = 2 * spacing;
+  if (!hc_given_has(given, "support_radius")) scene->support_radius = 2 * spacing;
   /* Room for the rounding of decimal fractions: 0.03 is 1.5 spacings of 0.02. */
   const double ratio = scene->support_radius / spacing;
   if (ratio >= 1.5 * (1 - 4 * DBL_EPSILON) && ratio <= 4 * (1 + 4 * DBL_EPSILON)) return;
@@ -95,7 +89,7 @@ static void check_support(hc_scene *scene, const hc_given *given, hc_complaints 
 
 static void check_domain(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
   const bool *periodic = scene->domain.periodic;
-  if (is_bad(given, "domain.periodic") || !(periodic[0] || periodic[1] || periodic[2])) return;
+  if (hc_given_is_bad(given, "domain.periodic") || !(periodic[0] || periodic[1] || periodic[2])) return;
   require(given, "domain.min", "along periodic axes", complaints);
   require(given, "domain.max", "along periodic axes", complaints);
   check_box(given, "domain.min", "domain.max", scene->domain.min, scene->domain.max, periodic, complaints);
@@ -104,7 +98,7 @@ static void check_domain(const hc_scene *scene, const hc_given *given, hc_compla
 /* Along an axis the limits are given, or both are 0. */
 static void check_limits(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
   const char *low = "domain.limits.min", *high = "domain.limits.max";
-  if (!is_given(given, low) && !is_given(given, high)) return;
+  if (!hc_given_has(given, low) && !hc_given_has(given, high)) return;
   require(given, low, "with domain.limits.max", complaints);
   require(given, high, "with domain.limits.min", complaints);
   const double *min = scene->domain.limits_min, *max = scene->domain.limits_max;
@@ -113,118 +107,18 @@ static void check_limits(const hc_scene *scene, const hc_given *given, hc_compla
   check_box(given, low, high, min, max, wanted, complaints);
 }
 
-static void check_floor(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
-  if (is_bad(given, "time_step.control") || is_bad(given, "time_step.min")) return;
-  const bool constant = scene->time_step.control == HC_TIME_CONSTANT;
-  const char *largest = constant ? "time_step.size" : "time_step.max";
-  const double most = constant ? scene->time_step.size : scene->time_step.max;
-  if (is_bad(given, largest) || scene->time_step.min <= most || most <= 0.0) return;
-  char min_text[HC_PARAM_NUMBER_TEXT], max_text[HC_PARAM_NUMBER_TEXT];
-  hc_params_number_text(scene->time_step.min, min_text);
-  hc_params_number_text(most, max_text);
-  hc_complaints_add(complaints, hc_given_place_of(given, "time_step.min"),
-                    "time_step.min must be <= %s, not %s > %s", largest, min_text, max_text);
-}
-
-static void check_step(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
-  if (is_bad(given, "time_step.control") || scene->time_step.control != HC_TIME_CONSTANT) return;
-  require(given, "time_step.size", "with time_step.control constant", complaints);
-  if (is_bad(given, "time_step.size") || is_bad(given, "time_step.max")) return;
-  const double size = scene->time_step.size;
-  if (size <= scene->time_step.max) return;
-  if (!is_given(given, "time_step.max")) { /* the default is no wish */
-    scene->time_step.max = size;
-    return;
-  }
-  char size_text[HC_PARAM_NUMBER_TEXT], max_text[HC_PARAM_NUMBER_TEXT];
-  hc_params_number_text(size, size_text);
-  hc_params_number_text(scene->time_step.max, max_text);
-  hc_complaints_add(complaints, hc_given_place_of(given, "time_step.size"),
-                    "time_step.size must be <= time_step.max, not %s > %s", size_text, max_text);
-}
-
-/* `low` must be below `high`, or equal to it where that may be. */
-typedef struct order {
-  const char *low, *high;
-  double low_value, high_value;
-  bool equal;
-} order;
-
-static void check_order(const hc_given *given, const order *order, hc_complaints *complaints) {
-  if (is_bad(given, order->low) || is_bad(given, order->high) || order->low_value < order->high_value ||
-      (order->equal && order->low_value == order->high_value))
-    return;
-  char low_text[HC_PARAM_NUMBER_TEXT], high_text[HC_PARAM_NUMBER_TEXT];
-  hc_params_number_text(order->low_value, low_text);
-  hc_params_number_text(order->high_value, high_text);
-  const char *which = is_given(given, order->low) ? order->low : order->high;
-  hc_complaints_add(complaints, hc_given_place_of(given, which), "%s must be %s %s, not %s %s %s", order->low,
-                    order->equal ? "<=" : "<", order->high, low_text, order->equal ? ">" : ">=", high_text);
-}
-
-/* What the adaptive step needs. */
-static void check_adaptive(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
-  if (is_bad(given, "time_step.control") || scene->time_step.control != HC_TIME_ADAPTIVE) return;
-  const hc_time_adaptive *a = &scene->time_step.adaptive;
-  const double average = scene->solver.density_error_avg, most = hc_scene_density_error_max(scene),
-               rise = hc_scene_shock_rise(scene);
-#define KEY(name) "time_step.adaptive." name
-  const order orders[] = {
-      {KEY("grow.force"), KEY("shrink.force"), a->grow.force, a->shrink.force, true},
-      {KEY("grow.error_max"), KEY("shrink.error_max"), a->grow.error_max, a->shrink.error_max, true},
-      {KEY("grow.error_avg"), KEY("shrink.error_avg"), a->grow.error_avg, a->shrink.error_avg, true},
-      {KEY("grow.velocity"), KEY("shrink.velocity"), a->grow.velocity, a->shrink.velocity, true},
-      {KEY("shrink.velocity"), KEY("shock.velocity"), a->shrink.velocity, a->shock.velocity, true},
-      {"solver.density_error_avg", "solver.density_error_max", average, most, false},
-      {"solver.density_error_avg", KEY("shock.error_rise"), average, rise, false},
-      {KEY("shock.error_rise"), "solver.density_error_max", rise, most, false}};
-#undef KEY
-  for (size_t k = 0; k < sizeof orders / sizeof *orders; k++) check_order(given, &orders[k], complaints);
-}
-
 static void check_iterations(const hc_given *given, const char *low, const char *high,
                              hc_iterations iterations, hc_complaints *complaints) {
-  if (is_bad(given, low) || is_bad(given, high) || iterations.min <= iterations.max) return;
-  const char *which = is_given(given, high) ? high : low;
+  if (hc_given_is_bad(given, low) || hc_given_is_bad(given, high) || iterations.min <= iterations.max) return;
+  const char *which = hc_given_has(given, high) ? high : low;
   hc_complaints_add(complaints, hc_given_place_of(given, which), "%s must be <= %s, not %d > %d", low, high,
                     iterations.min, iterations.max);
-}
-
-/* Defaults that hang on the method, and what does not go together. */
-static void check_solver(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
-  if (is_bad(given, "solver.method")) return;
-  if (!is_bad(given, "boundary.method") && scene->boundary.method != HC_BOUNDARY_AKINCI2012 &&
-      !is_bad(given, "fluid.viscosity.model") && scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR)
-    hc_complaints_add(
-        complaints, hc_given_place_of(given, "fluid.viscosity.model"),
-        "fluid.viscosity.model must not be laminar unless boundary.method is akinci2012: only its "
-        "walls hold the fluid at their surface");
-  if (scene->solver.method == HC_SOLVER_PCISPH) {
-    if (!is_given(given, "solver.density_error_avg")) scene->solver.density_error_avg = 0.01;
-    if (!is_given(given, "solver.density_iterations.min")) scene->solver.density_iterations.min = 3;
-    const bool adaptive = !is_bad(given, "time_step.control") && scene->time_step.control == HC_TIME_ADAPTIVE;
-    if (adaptive && !is_given(given, "solver.density_iterations.max"))
-      scene->solver.density_iterations.max = scene->solver.density_iterations.min;
-    if (adaptive || is_bad(given, "solver.density_error_max") || is_bad(given, "solver.density_error_avg"))
-      return;
-    if (scene->solver.density_error_max == 0.0 ||
-        scene->solver.density_error_max >= scene->solver.density_error_avg)
-      return;
-    hc_complaints_add(complaints, hc_given_place_of(given, "solver.density_error_max"),
-                      "solver.density_error_max must be 0 or >= solver.density_error_avg, not %g < %g",
-                      scene->solver.density_error_max, scene->solver.density_error_avg);
-    return;
-  }
-  if (is_bad(given, "boundary.method") || scene->boundary.method == HC_BOUNDARY_AKINCI2012) return;
-  hc_complaints_add(complaints, hc_given_place_of(given, "boundary.method"),
-                    "boundary.method must be akinci2012 with solver.method dfsph: the others move predicted "
-                    "positions, which only pcisph has");
 }
 
 /* False, after a complaint, for a direction of no length. */
 static bool check_direction(const hc_given *given, const char *path, const double direction[3],
                             hc_complaints *complaints) {
-  if (!is_given(given, path) || is_bad(given, path)) return false;
+  if (!hc_given_has(given, path) || hc_given_is_bad(given, path)) return false;
   if (direction[0] != 0.0 || direction[1] != 0.0 || direction[2] != 0.0) return true;
   hc_complaints_add(complaints, hc_given_place_of(given, path), "%s%s must not be zero, not [0, 0, 0]",
                     given->prefix, path);
@@ -260,7 +154,7 @@ static void check_surface(const hc_given *given, const hc_mesh_input *mesh, cons
 static void check_block(const hc_block *block, const hc_given *given, hc_complaints *complaints) {
   check_shape(given, &block->box, &block->rotation, &block->cylinder, complaints);
   check_surface(given, &block->mesh, &block->revolution, complaints);
-  if (is_bad(given, "flow.type") || block->flow.type == HC_FLOW_NONE) return;
+  if (hc_given_is_bad(given, "flow.type") || block->flow.type == HC_FLOW_NONE) return;
   require(given, "flow.speed", "with a flow.type", complaints);
   require(given, "flow.length", "with a flow.type", complaints);
   if (block->flow.type == HC_FLOW_STANDING_WAVE)
@@ -282,7 +176,7 @@ static void normalize(hc_wall *wall, const hc_given *given, hc_complaints *compl
 
 /* A box has faces, a cylinder ends; one must be left to be a wall. */
 static void check_open(const hc_wall *wall, const hc_given *given, hc_complaints *complaints) {
-  if (!is_given(given, "open") || is_bad(given, "open")) return;
+  if (!hc_given_has(given, "open") || hc_given_is_bad(given, "open")) return;
   const bool box = wall->form == HC_FORM_BOX;
   const hc_place place = hc_given_place_of(given, "open");
   if (wall->open & ~(unsigned)(box ? HC_FACES_OF_BOX : HC_FACES_OF_CYLINDER))
@@ -300,13 +194,13 @@ static void check_wall(hc_scene *scene, int index, const hc_given *given, hc_com
   check_surface(given, &wall->mesh, &wall->revolution, complaints);
   const bool sheet = (wall->form == HC_FORM_MESH && !wall->mesh.closed) ||
                      (wall->form == HC_FORM_REVOLUTION && !wall->revolution.closed);
-  if (sheet && is_given(given, "inside") && wall->inside != HC_INSIDE_FLUID)
+  if (sheet && hc_given_has(given, "inside") && wall->inside != HC_INSIDE_FLUID)
     hc_complaints_add(complaints, hc_given_place_of(given, "inside"),
                       "%sinside must not be solid: the surface is not closed", given->prefix);
   check_open(wall, given, complaints);
   normalize(wall, given, complaints);
   hc_source_rules_motion(wall, given, complaints);
-  if (!is_given(given, "name")) snprintf(wall->name, sizeof wall->name, "wall_%d", index);
+  if (!hc_given_has(given, "name")) snprintf(wall->name, sizeof wall->name, "wall_%d", index);
 }
 
 static int by_name(const void *left, const void *right) {
@@ -325,7 +219,7 @@ static void check_wall_names(const hc_scene *scene, const hc_given_value *walls,
   for (int k = 0; k < count; k++) {
     if (!first || strcmp(first->name, sorted[k]->name) != 0) first = sorted[k];
     const hc_given *given = &walls->items[sorted[k] - scene->boundary.walls];
-    if (first != sorted[k] && !given->bad && !is_bad(given, "name"))
+    if (first != sorted[k] && !given->bad && !hc_given_is_bad(given, "name"))
       hc_complaints_add(complaints, hc_given_place_of(given, "name"),
                         "%sname must be the wall's own, not '%s' like wall %d", given->prefix,
                         sorted[k]->name, (int)(first - scene->boundary.walls));
@@ -362,14 +256,14 @@ static bool makes_column(const hc_scene_gauge *gauge, const char *other) {
 
 static void check_gauge(const hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
   const hc_scene_gauge *gauge = &scene->output.gauges[index];
-  for (int k = 0; k < 3 && !is_bad(given, "box.min") && !is_bad(given, "box.max"); k++)
+  for (int k = 0; k < 3 && !hc_given_is_bad(given, "box.min") && !hc_given_is_bad(given, "box.max"); k++)
     if (gauge->box.min[k] > gauge->box.max[k])
       hc_complaints_add(complaints, hc_given_place_of(given, "box.max"),
                         "%sbox.max must be >= box.min along %c", given->prefix, axes[k]);
-  if (gauge->type == HC_GAUGE_FLOW && !is_bad(given, "axis") && !is_bad(given, "box.min") &&
-      !is_bad(given, "box.max"))
+  if (gauge->type == HC_GAUGE_FLOW && !hc_given_is_bad(given, "axis") && !hc_given_is_bad(given, "box.min") &&
+      !hc_given_is_bad(given, "box.max"))
     check_rectangle(gauge, given, complaints);
-  if (is_given(given, "wall") && !is_bad(given, "wall")) {
+  if (hc_given_has(given, "wall") && !hc_given_is_bad(given, "wall")) {
     bool known = false;
     for (int k = 0; k < scene->boundary.wall_count; k++)
       known |= strcmp(scene->boundary.walls[k].name, gauge->wall) == 0;
@@ -379,10 +273,10 @@ static void check_gauge(const hc_scene *scene, int index, const hc_given *given,
                         gauge->wall);
   }
   if ((gauge->type == HC_GAUGE_FRONT || gauge->type == HC_GAUGE_FLOW) && gauge->axis == 0 &&
-      !is_bad(given, "axis"))
+      !hc_given_is_bad(given, "axis"))
     hc_complaints_add(complaints, hc_given_place_of(given, "axis"), "%saxis must be a direction, not none",
                       given->prefix);
-  if (is_bad(given, "name")) return;
+  if (hc_given_is_bad(given, "name")) return;
   if (strpbrk(gauge->name, ",\""))
     hc_complaints_add(complaints, hc_given_place_of(given, "name"),
                       "%sname must do without commas and quotes, not %s", given->prefix, gauge->name);
@@ -401,19 +295,15 @@ static void check_gauge(const hc_scene *scene, int index, const hc_given *given,
 
 void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_name,
                     hc_complaints *complaints) {
-  if (!is_given(given, "name")) name_scene(scene, file_name);
+  if (!hc_given_has(given, "name")) name_scene(scene, file_name);
   check_name(scene, given, complaints);
   check_support(scene, given, complaints);
   check_domain(scene, given, complaints);
   check_limits(scene, given, complaints);
-  check_solver(scene, given, complaints);
   check_iterations(given, "solver.density_iterations.min", "solver.density_iterations.max",
                    scene->solver.density_iterations, complaints);
   check_iterations(given, "solver.divergence_iterations.min", "solver.divergence_iterations.max",
                    scene->solver.divergence_iterations, complaints);
-  check_step(scene, given, complaints);
-  check_floor(scene, given, complaints);
-  check_adaptive(scene, given, complaints);
   const hc_given_value *blocks = hc_given_value_of(given, "fluid.blocks");
   for (int k = 0; k < blocks->item_count; k++)
     if (!blocks->items[k].bad) check_block(&scene->fluid.blocks[k], &blocks->items[k], complaints);

@@ -1,13 +1,5 @@
 #include "source_rules.h"
 
-static bool is_bad(const hc_given *given, const char *path) {
-  return hc_given_value_of(given, path)->bad;
-}
-
-static bool is_given(const hc_given *given, const char *path) {
-  return hc_given_value_of(given, path)->node != NULL;
-}
-
 static bool is_zero(const double v[3]) {
   return v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0;
 }
@@ -19,7 +11,8 @@ static void complain(const hc_given *given, const char *path, hc_complaints *com
 /* `stop` 0 is never. */
 static void check_times(const hc_given *given, const char *start_path, const char *stop_path, double start,
                         double stop, hc_complaints *complaints) {
-  if (is_bad(given, start_path) || is_bad(given, stop_path) || stop == 0.0 || stop > start) return;
+  if (hc_given_is_bad(given, start_path) || hc_given_is_bad(given, stop_path) || stop == 0.0 || stop > start)
+    return;
   char start_text[HC_PARAM_NUMBER_TEXT], stop_text[HC_PARAM_NUMBER_TEXT];
   hc_params_number_text(start, start_text);
   hc_params_number_text(stop, stop_text);
@@ -28,9 +21,9 @@ static void check_times(const hc_given *given, const char *start_path, const cha
 }
 
 static void check_turn(const hc_wall_motion *motion, const hc_given *given, hc_complaints *complaints) {
-  if (!is_bad(given, "motion.axis") && is_zero(motion->axis))
+  if (!hc_given_is_bad(given, "motion.axis") && is_zero(motion->axis))
     complain(given, "motion.axis", complaints, "not be zero, not [0, 0, 0]");
-  if (!is_given(given, "motion.center") && !is_bad(given, "motion.center"))
+  if (!hc_given_has(given, "motion.center") && !hc_given_is_bad(given, "motion.center"))
     hc_complaints_add(complaints, given->place,
                       "missing key '%smotion.center', required of a wall that turns", given->prefix);
 }
@@ -39,8 +32,8 @@ static void check_cosine(const hc_wall_motion *motion, const hc_given *given, hc
   static const char *const paths[] = {"motion.amplitude", "motion.speed", "motion.angle",
                                       "motion.angular_velocity", "motion.direction"};
   for (int k = 0; k < 5; k++)
-    if (is_bad(given, paths[k])) return;
-  if (!is_given(given, "motion.frequency") && !is_bad(given, "motion.frequency"))
+    if (hc_given_is_bad(given, paths[k])) return;
+  if (!hc_given_has(given, "motion.frequency") && !hc_given_is_bad(given, "motion.frequency"))
     hc_complaints_add(complaints, given->place,
                       "missing key '%smotion.frequency', required with motion.type "
                       "cosine",
@@ -64,16 +57,16 @@ static void check_cosine(const hc_wall_motion *motion, const hc_given *given, hc
 
 static void check_table(const hc_wall_motion *motion, const hc_given *given, hc_complaints *complaints) {
   const hc_given_value *points = hc_given_value_of(given, "motion.points");
-  if (is_bad(given, "motion.file") || points->bad) return;
+  if (hc_given_is_bad(given, "motion.file") || points->bad) return;
   if ((motion->point_count > 0) == (motion->file[0] != '\0')) {
     complain(given, "motion.points", complaints,
              motion->file[0] ? "not be given beside motion.file" : "have a row, or motion.file name a table");
     return;
   }
-  bool turns = motion->file[0] != '\0' && is_given(given, "motion.axis");
+  bool turns = motion->file[0] != '\0' && hc_given_has(given, "motion.axis");
   for (int k = 0; k < points->item_count; k++) {
     const hc_given *item = &points->items[k];
-    if (item->bad || is_bad(item, "time")) return;
+    if (item->bad || hc_given_is_bad(item, "time")) return;
     turns |= motion->points[k].angle != 0.0;
     if (k == 0 || motion->points[k].time > motion->points[k - 1].time) continue;
     char now[HC_PARAM_NUMBER_TEXT], before[HC_PARAM_NUMBER_TEXT];
@@ -89,15 +82,15 @@ static void check_table(const hc_wall_motion *motion, const hc_given *given, hc_
 
 void hc_source_rules_motion(const hc_wall *wall, const hc_given *given, hc_complaints *complaints) {
   const hc_wall_motion *motion = &wall->motion;
-  if (is_bad(given, "motion.type")) return;
+  if (hc_given_is_bad(given, "motion.type")) return;
   if (motion->type != HC_WALL_TABLE && motion->point_count > 0)
     complain(given, "motion.points", complaints, "not be given: they are for motion.type table");
   if (motion->type == HC_WALL_STANDS) return;
   check_times(given, "motion.start", "motion.stop", motion->start, motion->stop, complaints);
   if (motion->type == HC_WALL_COSINE) check_cosine(motion, given, complaints);
   if (motion->type == HC_WALL_TABLE) check_table(motion, given, complaints);
-  if (motion->type != HC_WALL_CONSTANT || is_bad(given, "motion.velocity") ||
-      is_bad(given, "motion.angular_velocity"))
+  if (motion->type != HC_WALL_CONSTANT || hc_given_is_bad(given, "motion.velocity") ||
+      hc_given_is_bad(given, "motion.angular_velocity"))
     return;
   if (is_zero(motion->velocity) && motion->angular_velocity == 0.0)
     complain(given, "motion.type", complaints,
@@ -109,10 +102,11 @@ void hc_source_rules_emitter(const hc_scene_emitter *emitter, const hc_given *gi
                              hc_complaints *complaints) {
   const bool disc = emitter->form == HC_EMITTER_DISC;
   const char *direction = disc ? "disc.direction" : "rectangle.direction";
-  if (is_given(given, direction) && !is_bad(given, direction) && is_zero(emitter->direction))
+  if (hc_given_has(given, direction) && !hc_given_is_bad(given, direction) && is_zero(emitter->direction))
     complain(given, direction, complaints, "not be zero, not [0, 0, 0]");
   check_times(given, "start", "stop", emitter->start, emitter->stop, complaints);
-  if (is_bad(given, "speed") || is_bad(given, "rate") || (emitter->speed > 0.0) != (emitter->rate > 0.0))
+  if (hc_given_is_bad(given, "speed") || hc_given_is_bad(given, "rate") ||
+      (emitter->speed > 0.0) != (emitter->rate > 0.0))
     return;
   if (emitter->speed > 0.0)
     complain(given, "rate", complaints, "not be given beside speed: one follows from the other");

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "scene/motion_file.h"
 #include "setup/meshes.h"
+#include "setup/methods.h"
 #include "setup/review.h"
 
 #include <string.h>
@@ -12,7 +13,11 @@ hc_scene_limits hc_scene_input_limits(const char **names) {
   for (int field = 0; field < HC_FIELD_COUNT; field++)
     if ((hc_fields[field].flags & HC_SNAPSHOT) && field != HC_FIELD_id)
       names[count++] = hc_fields[field].name;
-  return (hc_scene_limits){names, count, hc_setup_review, hc_setup_meshes_load, NULL};
+  return (hc_scene_limits){.snapshot_fields = names,
+                           .snapshot_field_count = count,
+                           .complete = hc_setup_complete,
+                           .check = hc_setup_review,
+                           .load = hc_setup_meshes_load};
 }
 
 /* What the ranks must know before the words themselves come. */

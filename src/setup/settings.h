@@ -1,19 +1,9 @@
-/* From a scene's keys to what solver, time step and walls are told. All local. */
+/* From a scene's keys to what its walls and its start are told. All local. */
 #ifndef HC_SETTINGS_H
 #define HC_SETTINGS_H
 
 #include "scene/scene.h"
 #include "solver/solver.h"
-#include "stepping/time_step.h"
-
-const hc_solver_ops *hc_settings_solver_ops(const hc_scene *scene);
-hc_solver_settings hc_settings_solver(const hc_scene *scene);
-
-/* What bounds the steps of a scene. */
-hc_step_settings hc_settings_step(const hc_scene *scene);
-
-/* The time step with which the start of a scene settles, s; 0 if it does not. */
-double hc_settings_settle_step(const hc_scene *scene);
 
 /* No step of the scene is longer, s: how far ahead what is prescribed is looked at. */
 double hc_settings_longest_step(const hc_scene *scene);

@@ -116,7 +116,7 @@ static bool by_hook(const failure *f, char *text, size_t size) {
 }
 
 static bool by_shock(const failure *f, char *text, size_t size) {
-  const hc_shock_guard *guard = &f->simulation->rollback.guard;
+  const hc_shock_guard *guard = &f->simulation->control.guard;
   if (f->fault.kind != HC_FAULT_TIME_STEP || guard->until == 0.0) return false;
   char what[HC_SHOCK_TEXT];
   hc_shock_text(&guard->shock, what);
@@ -129,7 +129,7 @@ static bool by_shock(const failure *f, char *text, size_t size) {
 
 /* An adaptive step that shrank and shrank. */
 static bool by_error(const failure *f, char *text, size_t size) {
-  const hc_step_bound bound = f->simulation->bound;
+  const hc_step_bound bound = f->simulation->control.bound;
   if (f->fault.kind != HC_FAULT_TIME_STEP || (bound != HC_BOUND_ERROR_AVG && bound != HC_BOUND_ERROR_MAX))
     return false;
   snprintf(text, size,
@@ -161,9 +161,10 @@ static bool by_overlap(const failure *f, char *text, size_t size) {
 }
 
 static bool by_viscosity(const failure *f, char *text, size_t size) {
-  const hc_step_settings *settings = &f->simulation->step_settings;
+  const hc_step_settings *settings = f->simulation->control.settings;
   const double bound = hc_time_step_viscous_bound(settings);
-  const bool floored = f->fault.kind == HC_FAULT_TIME_STEP && f->simulation->bound == HC_BOUND_VISCOUS;
+  const bool floored =
+      f->fault.kind == HC_FAULT_TIME_STEP && f->simulation->control.bound == HC_BOUND_VISCOUS;
   if (!floored && f->dt <= bound * (1.0 + 1e-9)) return false;
   snprintf(text, size,
            floored ? "the viscosity allows %.3g s and no more: lower time_step.min (%.3g s), the viscosity "
@@ -175,44 +176,40 @@ static bool by_viscosity(const failure *f, char *text, size_t size) {
 
 /* Judged by the speed before the failure, or of the start, which the failure cannot have made. */
 static bool by_step(const failure *f, char *text, size_t size) {
-  const hc_step_settings *settings = &f->simulation->step_settings;
+  const hc_control *control = &f->simulation->control;
   const double speed = f->fault.kind == HC_FAULT_START_SPEED ? f->fault.value : f->before->v_max;
-  const bool adaptive = settings->control == HC_STEP_ADAPTIVE;
-  const double usual = adaptive ? settings->adaptive.shrink.velocity * settings->support_radius / speed
-                                : 0.4 * settings->spacing / speed;
+  const double usual = hc_control_usual(control, speed);
   if (f->fault.kind == HC_FAULT_TIME_STEP || !(f->dt > 1.5 * usual)) return false;
   snprintf(text, size,
            "the time step is too long: a speed of %.3g m/s allows %.3g s (%.3g spacings), not %.3g s; lower "
            "time_step.%s",
-           speed, usual, usual * speed / settings->spacing, f->dt,
-           settings->control == HC_STEP_CONSTANT ? "size"
-           : adaptive                            ? "max"
-                                                 : "factor");
+           speed, usual, usual * speed / control->settings->spacing, f->dt, control->ops->speed_key);
   return true;
 }
 
 static bool by_cap(const failure *f, char *text, size_t size) {
   const hc_simulation *simulation = f->simulation;
+  const hc_control_ops *control = simulation->control.ops;
+  const char *steadier = simulation->solver->steadier;
   const int64_t failed = simulation->step + 1;
   const int64_t capped = simulation->report.density_capped ? failed : simulation->capped_at;
   if (capped == 0 || failed - capped >= RECENT) return false;
-  const hc_step_control control = simulation->step_settings.control;
+  char advice[128] = "";
+  if (steadier && strcmp(steadier, control->name) != 0)
+    snprintf(advice, sizeof advice, ", or have steps that follow the forces (time_step.control: %s)",
+             steadier);
   snprintf(text, size,
            "the density solver was at its cap of %d iterations in step %lld: the pressure did not converge; "
            "lower the time step (time_step.%s) or raise solver.density_iterations.max%s",
-           simulation->solver_settings.density_max, (long long)capped,
-           control == HC_STEP_CONSTANT ? "size" : "max",
-           simulation->scene->solver.method == HC_SOLVER_PCISPH && control != HC_STEP_ADAPTIVE
-               ? ", or have steps that follow the forces (time_step.control: adaptive)"
-               : "");
+           simulation->scene->solver.density_iterations.max, (long long)capped, control->longest_key, advice);
   return true;
 }
 
 static bool by_scene(const failure *f, char *text, size_t size) {
   if (f->fault.kind != HC_FAULT_TIME_STEP || f->simulation->step > 0) return false;
   snprintf(text, size, "the scene itself: its %s asks for a step under the floor, %.3g s; see time_step.min",
-           f->simulation->bound == HC_BOUND_VELOCITY ? "speed" : "gravity",
-           hc_time_step_floor(&f->simulation->step_settings));
+           f->simulation->control.bound == HC_BOUND_VELOCITY ? "speed" : "gravity",
+           hc_time_step_floor(f->simulation->control.settings));
   return true;
 }
 
@@ -249,7 +246,7 @@ void hc_failure_explain(hc_simulation *simulation, double dt, const hc_step_repo
                "the simulation %s in step %lld at %.6g s: %s%s\n  time step %.4g s, bounded by: %s\n  likely "
                "cause: %s",
                fault.kind == HC_FAULT_LEFT ? "failed" : "diverged", (long long)simulation->step + 1,
-               simulation->time, what, particle, dt, hc_step_bound_name(simulation->bound), cause);
+               simulation->time, what, particle, dt, hc_step_bound_name(simulation->control.bound), cause);
 }
 
 /* ---- faults on demand ---- */

@@ -2,23 +2,6 @@
 
 #include "base/check.h"
 
-void hc_rollback_register(hc_rollback *rollback, hc_state *state) {
-  hc_shock_guard *guard = &rollback->guard;
-  hc_state_add(state, HC_TYPE_i64, 1, &guard->shock.kind, "shock.kind");
-  hc_state_add(state, HC_TYPE_f64, 1, &guard->shock.time, "shock.time");
-  hc_state_add(state, HC_TYPE_f64, 1, &guard->shock.dt, "shock.dt");
-  hc_state_add(state, HC_TYPE_f64, 1, &guard->shock.value, "shock.value");
-  hc_state_add(state, HC_TYPE_f64, 1, &guard->shock.limit, "shock.limit");
-  hc_state_add(state, HC_TYPE_f64, 1, &guard->until, "replay.until");
-  hc_state_add(state, HC_TYPE_f64, 1, &guard->begun, "replay.begun");
-  hc_state_add(state, HC_TYPE_f64, 1, &guard->next, "replay.next");
-  hc_state_add(state, HC_TYPE_i64, 1, &guard->restarts, "replay.restarts");
-  hc_state_add(state, HC_TYPE_i64, 1, &guard->rollbacks, "rollbacks");
-  hc_state_add(state, HC_TYPE_i64, 1, &guard->steps, "rollback_steps");
-  hc_state_add(state, HC_TYPE_i64, 1, &guard->untold, "rollback_steps_untold");
-  hc_state_add(state, HC_TYPE_i64, 1, &rollback->forced, "shocks_forced");
-}
-
 void hc_rollback_free(hc_rollback *rollback) {
   hc_state_history_free(&rollback->history);
 }
@@ -31,7 +14,8 @@ int hc_rollback_return(hc_rollback *rollback, hc_state *state) {
   const int back = rollback->history.count > 1 ? 1 : 0;
   const bool found = hc_state_history_return(&rollback->history, state, back);
   HC_CHECK(found, "the state %d steps ago must be remembered", back);
-  return back + 1;
+  rollback->back = back + 1;
+  return rollback->back;
 }
 
 bool hc_rollback_show_resumable(hc_rollback *rollback, hc_state *state, hc_state_copy *now) {

@@ -1,11 +1,11 @@
-/* Steps that are taken back: what the adaptive time step (stepping/adaptive.h) does to a run.
+/* Steps that are taken back, where the step control asks for it: what is remembered, and how a run returns.
  *
  * The state at the beginning of each step is remembered. A step that turns out to be a shock is taken back
  * together with the one before it; where that is not remembered, as in the first step of a replay, it is
  * taken back alone. The call that met the shock ends there, the next one goes on with a shorter step.
  *
  * Since a shock in the next step would go back behind the state of now, a checkpoint of this state would not
- * go on to the same bits. So the checkpoint of a run with adaptive steps holds the state at the beginning of
+ * go on to the same bits. So the checkpoint of such a run holds the state at the beginning of
  * its last step: a restart does that step again, as it was, and then remembers what the run remembered. It
  * follows that a checkpoint is never of a step that is taken back later, and that a session must do two steps
  * to get on. */
@@ -14,27 +14,20 @@
 
 #include "halocline/error.h"
 #include "state/copy.h"
-#include "stepping/adaptive.h"
 
 typedef struct hc_rollback {
   hc_state_history history;
-  hc_shock_guard guard;
-  int64_t forced; /* shocks by the test hook so far */
-  int back;       /* steps that the last call took back, its own included; 0: its step counts */
-  int64_t before; /* steps that were taken back since the last step that counts, seen from this one */
-  double v_max, force_max; /* m/s, m/s2: of the step that was the shock; 0 if it diverged */
+  int back; /* steps that the last call took back, its own included; 0: its step counts */
 } hc_rollback;
 
-/* Registers what is state, whatever the control: a restart may have another. Local. */
-void hc_rollback_register(hc_rollback *rollback, hc_state *state);
 void hc_rollback_free(hc_rollback *rollback);
 
 /* As a step begins that may be taken back: remembers the state. Local. */
 void hc_rollback_remember(hc_rollback *rollback, const hc_state *state);
 
 /* All state goes back by two steps, or one if no more is remembered; fluid particles are at who owned them
- * then. Returns how many. What is known of shocks goes back too; nothing of that is lost, because the states
- * that are remembered are all younger than the last rollback. Local. */
+ * then. Returns how many, as `back` says then. What is known of shocks goes back too; nothing of that is
+ * lost, because the states that are remembered are all younger than the last rollback. Local. */
 int hc_rollback_return(hc_rollback *rollback, hc_state *state);
 
 /* Around the writing of a checkpoint: puts the state there that it must hold, and the present one again,

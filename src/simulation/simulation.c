@@ -3,8 +3,10 @@
 #include "base/cgroup.h"
 #include "base/memory.h"
 #include "footprint.h"
+#include "setup/controls.h"
 #include "setup/rest_lattice.h"
 #include "setup/settings.h"
+#include "setup/solvers.h"
 #include "setup/world_frame.h"
 
 #include <math.h>
@@ -55,18 +57,22 @@ double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_movers *mo
 static hc_status settle(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   hc_particles *fluid = world->fluid;
-  hc_solver_settings settings = simulation->solver_settings;
-  settings.viscosity = HC_VISCOUS_NONE;
-  const double dt = hc_settings_settle_step(simulation->scene);
-  for (int step = 0; step < simulation->scene->fluid.settle_steps; step++) {
+  hc_solver_settings *settings = simulation->solver_settings;
+  const hc_viscous_force viscosity = settings->viscosity;
+  const double dt = hc_setup_settle_step(simulation->scene);
+  settings->viscosity = HC_VISCOUS_NONE;
+  hc_status status = HC_OK;
+  int step = 0;
+  for (; status == HC_OK && step < simulation->scene->fluid.settle_steps; step++) {
     memset(fluid->velocity, 0, 3 * (size_t)fluid->own * sizeof *fluid->velocity);
     hc_world_update(world);
-    if (simulation->solver->step(world, &settings, dt, step > 0 ? dt : 0.0, &simulation->report, error) ==
-        HC_OK)
-      continue;
+    status = simulation->solver->step(world, settings, dt, step > 0 ? dt : 0.0, &simulation->report, error);
+  }
+  settings->viscosity = viscosity;
+  if (status != HC_OK) {
     const hc_error found = *error;
     return hc_error_set(error, HC_FAILED, "the simulation diverged while its start settled, step %d: %.4000s",
-                        step + 1, found.text);
+                        step, found.text);
   }
   hc_setup_velocities(&simulation->plan, fluid);
   pose_walls(simulation, false);
@@ -102,7 +108,7 @@ double hc_simulation_fastest(const hc_particles *fluid) {
 void hc_simulation_fill_derived(hc_simulation *simulation) {
   hc_particles *fluid = simulation->world.fluid;
   memset(fluid->pressure, 0, (size_t)fluid->own * sizeof *fluid->pressure);
-  simulation->solver->densities(&simulation->world, &simulation->solver_settings);
+  simulation->solver->densities(&simulation->world, simulation->solver_settings);
   memset(fluid->acceleration, 0, 3 * (size_t)fluid->own * sizeof *fluid->acceleration);
 }
 
@@ -120,32 +126,12 @@ static void register_state(hc_simulation *simulation) {
   hc_population_register(&simulation->population, state);
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_avg, "density_error_avg");
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_max, "density_error_max");
-  hc_rollback_register(&simulation->rollback, state);
+  hc_control_register(&simulation->control, state);
 }
 
-/* Fluid that is squeezed from the start, as too near to a wall, explodes: the pressure that pushes it apart
- * in one step knows no bounds. PCISPH is told how much it may be. Collective. */
-static hc_status refuse_dense_start(hc_simulation *simulation, hc_error *error) {
-  const hc_particles *fluid = simulation->world.fluid;
-  const hc_frame *frame = &simulation->world.frame;
-  if (simulation->scene->solver.method != HC_SOLVER_PCISPH) return HC_OK;
-  int32_t worst = 0;
-  for (int32_t k = 1; k < fluid->own; k++)
-    if (fluid->density[k] > fluid->density[worst]) worst = k;
-  double density = fluid->own > 0 ? (double)fluid->density[worst] : 0.0;
-  const double most = simulation->solver_settings.density_error_max;
-  const double own = density / simulation->scene->fluid.rest_density - 1.0;
-  hc_comm_max_f64(simulation->comm, &density, 1);
-  if (own > most && density == (double)fluid->density[worst])
-    hc_error_set(error, HC_BAD_INPUT,
-                 "the fluid at (%.6g, %.6g, %.6g) m is %.3g %% too dense at the start, "
-                 "solver.density_error_max allows "
-                 "%.3g %%: fluid lattices must not overlap, and keep half a spacing from walls",
-                 hc_frame_to_metres(frame, 0, fluid->position[3 * (size_t)worst]),
-                 hc_frame_to_metres(frame, 1, fluid->position[3 * (size_t)worst + 1]),
-                 hc_frame_to_metres(frame, 2, fluid->position[3 * (size_t)worst + 2]), 100.0 * own,
-                 100.0 * most);
-  return hc_comm_agree(simulation->comm, error);
+static hc_status check_start(const hc_simulation *simulation, hc_error *error) {
+  if (!simulation->solver->check_start) return HC_OK;
+  return simulation->solver->check_start(&simulation->world, simulation->solver_settings, error);
 }
 
 /* What is known of the particles before there are any. Agreed. */
@@ -172,12 +158,12 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
   simulation->comm = comm;
   simulation->isa = agree_on_isa(comm);
   hc_balance_init(&simulation->balance, scene);
-  simulation->solver = hc_settings_solver_ops(scene);
-  simulation->solver_settings = hc_settings_solver(scene);
-  simulation->step_settings = hc_settings_step(scene);
+  simulation->solver = hc_setup_solver_ops(scene);
 
   hc_frame frame;
   if (hc_setup_frame(scene, &frame, error) != HC_OK) return error->status;
+  simulation->control = hc_setup_control(scene);
+  simulation->solver_settings = hc_setup_solver_settings(scene);
   const double ratio = scene->particle_spacing / scene->support_radius, h = frame.support_radius;
   const double volume_factor = hc_settings_wall_factor(scene);
   const hc_world_settings settings = {
@@ -199,7 +185,7 @@ hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   if (fill_world(simulation, error) != HC_OK) return error->status;
   hc_simulation_fill_derived(simulation);
-  if (refuse_dense_start(simulation, error) != HC_OK) return error->status;
+  if (check_start(simulation, error) != HC_OK) return error->status;
   simulation->imbalance = hc_domain_imbalance(&world->domain, world->fluid);
   double v2_max = hc_simulation_fastest(world->fluid);
   hc_comm_max_f64(simulation->comm, &v2_max, 1);
@@ -226,6 +212,8 @@ hc_status hc_simulation_init(hc_simulation *simulation, hc_comm *comm, const hc_
 
 void hc_simulation_free(hc_simulation *simulation) {
   hc_setup_plan_free(&simulation->plan);
+  hc_control_free(&simulation->control);
+  hc_free(simulation->solver_settings);
   hc_rollback_free(&simulation->rollback);
   hc_movers_free(&simulation->movers);
   hc_population_free(&simulation->population);
@@ -235,10 +223,6 @@ void hc_simulation_free(hc_simulation *simulation) {
 
 bool hc_simulation_done(const hc_simulation *simulation) {
   return simulation->time >= simulation->scene->end_time;
-}
-
-bool hc_simulation_may_go_back(const hc_simulation *simulation) {
-  return simulation->step_settings.control == HC_STEP_ADAPTIVE;
 }
 
 /* Bodies will raise v_max here too. */

@@ -11,7 +11,7 @@
 #include "solver/solver.h"
 #include "state/moment.h"
 #include "state/state.h"
-#include "stepping/time_step.h"
+#include "stepping/control.h"
 
 typedef struct hc_simulation {
   const hc_scene *scene; /* the caller's; outlives the simulation */
@@ -19,12 +19,11 @@ typedef struct hc_simulation {
   hc_isa isa;
   hc_world world;
   const hc_solver_ops *solver;
-  hc_solver_settings solver_settings;
-  hc_step_settings step_settings;
+  hc_solver_settings *solver_settings; /* the solver's own, the common ones first */
+  hc_control control;
   int64_t step; /* steps done */
   double time;  /* s */
   double dt;    /* the last step's, s; 0 before the first */
-  hc_step_bound bound;
   hc_step_report report;
   hc_setup_plan plan; /* of the scene's particles; let go once they are there */
   hc_movers movers;
@@ -55,9 +54,6 @@ void hc_simulation_free(hc_simulation *simulation);
 
 /* Has the run reached its end time? */
 bool hc_simulation_done(const hc_simulation *simulation);
-
-/* May the run's steps be taken back? Local. */
-bool hc_simulation_may_go_back(const hc_simulation *simulation);
 
 /* Puts moving walls where they stand at simulation->time; hc_world_place must follow. Collective. */
 void hc_simulation_pose_walls(hc_simulation *simulation);

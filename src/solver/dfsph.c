@@ -10,7 +10,7 @@
  * that the pressure stays the same, where the predicted error is positive. The full share makes a resting
  * column swell. Known weakness: only compression is corrected, so a full closed domain cannot come to rest;
  * fill it 1 % under. */
-#include "solver.h"
+#include "dfsph.h"
 
 #include "sph/error_rule.h"
 
@@ -109,11 +109,11 @@ static solved iterate(const solve *solve, prediction first) {
 }
 
 /* Algorithm 4: the average of positive density rates goes below divergence_error/dt. */
-static solved correct_divergence_error(hc_world *world, const hc_solver_settings *settings, double dt,
+static solved correct_divergence_error(hc_world *world, const hc_dfsph_settings *settings, double dt,
                                        double dt_before) {
   const solve solve = {.world = world,
-                       .rule = {0.0f, 1.0f, settings->min_divergence_neighbors, settings->negative_pressure,
-                                (float)settings->relaxation},
+                       .rule = {0.0f, 1.0f, settings->min_divergence_neighbors,
+                                settings->common.negative_pressure, (float)settings->relaxation},
                        .weight = 1.0f,
                        .multiplier = world->fluid->divergence_multiplier,
                        .warm = dt_before > 0.0 ? (float)(settings->warm_start * (dt / dt_before)) : 0.0f,
@@ -124,17 +124,18 @@ static solved correct_divergence_error(hc_world *world, const hc_solver_settings
 }
 
 /* Algorithm 3: the average of predicted compressions goes below density_error_avg. */
-static solved correct_density_error(hc_world *world, const hc_solver_settings *settings, double dt,
+static solved correct_density_error(hc_world *world, const hc_dfsph_settings *settings, double dt,
                                     double dt_before) {
   const double ratio = dt_before > 0.0 ? dt / dt_before : 0.0;
-  const solve solve = {.world = world,
-                       .rule = {1.0f, (float)dt, 0, settings->negative_pressure, (float)settings->relaxation},
-                       .weight = (float)(1.0 / dt),
-                       .multiplier = world->fluid->pressure_multiplier,
-                       .warm = (float)(settings->warm_start * ratio * ratio),
-                       .threshold = settings->density_error_avg,
-                       .min = settings->density_min,
-                       .max = settings->density_max};
+  const solve solve = {
+      .world = world,
+      .rule = {1.0f, (float)dt, 0, settings->common.negative_pressure, (float)settings->relaxation},
+      .weight = (float)(1.0 / dt),
+      .multiplier = world->fluid->pressure_multiplier,
+      .warm = (float)(settings->warm_start * ratio * ratio),
+      .threshold = settings->density_error_avg,
+      .min = settings->density_min,
+      .max = settings->density_max};
   return iterate(&solve, FIRST);
 }
 
@@ -160,6 +161,7 @@ static void store_pressure(hc_particles *fluid, double rest_density, double dt) 
 /* Algorithm 2; the neighbourhoods are found by hc_world_update before. */
 static hc_status step(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
                       hc_step_report *report, hc_error *error) {
+  const hc_dfsph_settings *own = (const hc_dfsph_settings *)settings;
   memset(report, 0, sizeof *report);
   hc_remember_velocities(world);
   hc_fault_watch_start(world, dt, &report->fault);
@@ -171,15 +173,14 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
 
   /* correctDivergenceError(alpha, v) */
   hc_stopwatch_enter(&world->watch, HC_STAGE_DIVERGENCE);
-  const solved divergence = correct_divergence_error(world, settings, dt, dt_before);
+  const solved divergence = correct_divergence_error(world, own, dt, dt_before);
 
   hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);
   if (!divergence.broken) apply_forces(world, settings, dt, report);
 
   /* correctDensityError(alpha, v) */
   hc_stopwatch_enter(&world->watch, HC_STAGE_PRESSURE);
-  const solved density =
-      divergence.broken ? divergence : correct_density_error(world, settings, dt, dt_before);
+  const solved density = divergence.broken ? divergence : correct_density_error(world, own, dt, dt_before);
 
   /* x += dt * v */
   hc_stopwatch_enter(&world->watch, HC_STAGE_MOVE);
@@ -199,4 +200,11 @@ static void densities(hc_world *world, const hc_solver_settings *settings) {
   world->sweeps->density(&world->sweep, world->listed);
 }
 
-const hc_solver_ops hc_solver_dfsph = {"dfsph", HC_FOR_DFSPH, step, densities};
+const hc_solver_ops hc_solver_dfsph = {.name = "dfsph",
+                                       .features = HC_FOR_DFSPH,
+                                       .walls = 1u << HC_WALLS_MIRRORED,
+                                       .walls_why =
+                                           "the others move predicted positions, which only pcisph has",
+                                       .step = step,
+                                       .densities = densities,
+                                       .summary = hc_solver_tell_caps};

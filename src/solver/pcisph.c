@@ -8,7 +8,7 @@
  * the unit m2/s2. Neighbours stay those of the step's beginning, distances are those of the prediction, in
  * the kernel's gradient too (but that of walls which mirror the pressure, akinci2012). The errors reported
  * are those of the last prediction, before the last correction, as in the paper. */
-#include "solver.h"
+#include "pcisph.h"
 
 #include "sph/error_rule.h"
 
@@ -20,18 +20,18 @@
 /* A step under way. */
 typedef struct pcisph {
   hc_world *world;
-  const hc_solver_settings *settings;
+  const hc_pcisph_settings *settings;
   double dt;
   hc_prediction prediction;
   hc_collision collision;
   int64_t held; /* particles in walls at the last prediction */
 } pcisph;
 
-static hc_prediction prediction_of(const hc_world *world, const hc_solver_settings *settings, double dt) {
+static hc_prediction prediction_of(const hc_world *world, const hc_pcisph_settings *settings, double dt) {
   const double volume = world->sweep.volume;
   return (hc_prediction){
       .shepard = settings->shepard,
-      .negative = settings->negative_pressure,
+      .negative = settings->common.negative_pressure,
       .stiffness = dt > 0.0 ? (float)(0.5 / (volume * volume * dt * dt * settings->gradient_square)) : 0.0f,
       .dt = (float)dt,
       .weights = settings->wall_weights};
@@ -141,7 +141,7 @@ static void predict_walls(const pcisph *step, int way) {
 /* Inverse densities for the forces that read them. */
 static void find_densities(const pcisph *step) {
   hc_world *world = step->world;
-  if (step->settings->viscosity != HC_VISCOUS_XSPH) return;
+  if (step->settings->common.viscosity != HC_VISCOUS_XSPH) return;
   hc_prediction prediction = step->prediction;
   prediction.shepard = true; /* leaves 1/density in motion */
   hc_error_total none;
@@ -153,7 +153,7 @@ static void find_densities(const pcisph *step) {
  */
 static bool iterate(pcisph *step, hc_step_report *report) {
   hc_world *world = step->world;
-  const hc_solver_settings *settings = step->settings;
+  const hc_pcisph_settings *settings = step->settings;
   const double particles = world->fluid_total > 0 ? (double)world->fluid_total : 1.0;
   for (;;) {
     const hc_error_total total = predict(step, report->density_iterations > 0);
@@ -197,18 +197,19 @@ static hc_move_to finish(pcisph *step) {
 static hc_status advance(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
                          hc_step_report *report, hc_error *error) {
   (void)dt_before;
+  const hc_pcisph_settings *own = (const hc_pcisph_settings *)settings;
   memset(report, 0, sizeof *report);
   hc_remember_velocities(world);
   hc_fault_watch_start(world, dt, &report->fault);
   pcisph step = {.world = world,
-                 .settings = settings,
+                 .settings = own,
                  .dt = dt,
-                 .prediction = prediction_of(world, settings, dt),
+                 .prediction = prediction_of(world, own, dt),
                  .collision = {.sweeps = world->sweeps,
                                .sweep = &world->sweep,
                                .unit = world->frame.unit,
-                               .friction = settings->friction,
-                               .elasticity = settings->elasticity,
+                               .friction = own->friction,
+                               .elasticity = own->elasticity,
                                .dt = dt}};
   hc_reserve((void **)&world->contacts, &world->contact_room, 2 * (size_t)world->fluid->own, 0,
              sizeof *world->contacts);
@@ -238,7 +239,7 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
 }
 
 static void densities(hc_world *world, const hc_solver_settings *settings) {
-  const hc_prediction prediction = prediction_of(world, settings, 0.0);
+  const hc_prediction prediction = prediction_of(world, (const hc_pcisph_settings *)settings, 0.0);
   hc_error_total none;
   memset(&none, 0, sizeof none);
   const pcisph step = {.world = world, .prediction = prediction};
@@ -246,4 +247,36 @@ static void densities(hc_world *world, const hc_solver_settings *settings) {
   if (prediction.shepard) correct_densities(&step, &none);
 }
 
-const hc_solver_ops hc_solver_pcisph = {"pcisph", HC_FOR_PCISPH, advance, densities};
+/* Fluid that is squeezed from the start, as too near to a wall, explodes: the pressure that pushes it apart
+ * in one step knows no bounds. */
+static hc_status check_start(const hc_world *world, const hc_solver_settings *settings, hc_error *error) {
+  const hc_particles *fluid = world->fluid;
+  const hc_frame *frame = &world->frame;
+  int32_t worst = 0;
+  for (int32_t k = 1; k < fluid->own; k++)
+    if (fluid->density[k] > fluid->density[worst]) worst = k;
+  double density = fluid->own > 0 ? (double)fluid->density[worst] : 0.0;
+  const double most = ((const hc_pcisph_settings *)settings)->density_error_max;
+  const double own = density / settings->rest_density - 1.0;
+  hc_comm_max_f64(world->comm, &density, 1);
+  if (own > most && density == (double)fluid->density[worst])
+    hc_error_set(error, HC_BAD_INPUT,
+                 "the fluid at (%.6g, %.6g, %.6g) m is %.3g %% too dense at the start, "
+                 "solver.density_error_max allows "
+                 "%.3g %%: fluid lattices must not overlap, and keep half a spacing from walls",
+                 hc_frame_to_metres(frame, 0, fluid->position[3 * (size_t)worst]),
+                 hc_frame_to_metres(frame, 1, fluid->position[3 * (size_t)worst + 1]),
+                 hc_frame_to_metres(frame, 2, fluid->position[3 * (size_t)worst + 2]), 100.0 * own,
+                 100.0 * most);
+  return hc_comm_agree(world->comm, error);
+}
+
+const hc_solver_ops hc_solver_pcisph = {.name = "pcisph",
+                                        .features = HC_FOR_PCISPH,
+                                        .walls = 1u << HC_WALLS_NOTHING | 1u << HC_WALLS_MIRRORED |
+                                                 1u << HC_WALLS_PRESSURE | 1u << HC_WALLS_DISTANCE,
+                                        .steadier = "adaptive",
+                                        .step = advance,
+                                        .densities = densities,
+                                        .check_start = check_start,
+                                        .summary = hc_solver_tell_caps};

@@ -1,4 +1,14 @@
-/* The solvers: one step of a run each, behind one table of operations, chosen by name. */
+/* The solvers: one step of a run each, behind one table of operations, chosen by name.
+ *
+ * A solver gives in its hc_solver_ops:
+ *   required   name, walls, step, densities
+ *   optional   features    default: no fields but those that all have
+ *              walls_why   with walls that leave out any
+ *              controls    default: any step control, and the scene's default one
+ *              steadier    default: none
+ *              check_start default: any start will do
+ *              summary     default: nothing to say
+ * Its settings begin with the common ones. */
 #ifndef HC_SOLVER_H
 #define HC_SOLVER_H
 
@@ -11,6 +21,7 @@ typedef enum hc_viscous_force {
   HC_VISCOUS_LAMINAR
 } hc_viscous_force;
 
+/* What every solver heeds; the first member of its own settings. */
 typedef struct hc_solver_settings {
   double gravity[3];
   double rest_density;
@@ -19,18 +30,6 @@ typedef struct hc_solver_settings {
   double sound_speed;           /* artificial: m/s */
   double surface_tension;       /* kappa of Becker and Teschner 2007, m3/s2; 0: none */
   bool negative_pressure;
-  /* DFSPH */
-  double density_error_avg;                                     /* fraction of the rest density */
-  double divergence_error;                                      /* fraction of the rest density per step */
-  int density_min, density_max, divergence_min, divergence_max; /* iterations */
-  double warm_start, relaxation;
-  int min_divergence_neighbors;
-  /* PCISPH; density_error_avg, density_min and density_max too */
-  double density_error_max;                /* fraction of the rest density */
-  double gradient_square;                  /* sum |grad W|^2 over the rest lattice, 1/m8 */
-  bool shepard;                            /* correct densities at the surface */
-  double friction, elasticity;             /* of contacts with walls, see hc_collision */
-  float wall_weights[HC_WALL_WEIGHTS + 1]; /* see hc_prediction */
 } hc_solver_settings;
 
 /* What a step says of itself; the same on every rank. */
@@ -47,9 +46,20 @@ typedef struct hc_step_report {
   hc_fault fault;                          /* why the step failed */
 } hc_step_report;
 
+/* Steps of a run in which a pressure solver was at its cap of iterations. */
+typedef struct hc_solver_caps {
+  int64_t density, divergence, steps; /* of so many */
+} hc_solver_caps;
+
 typedef struct hc_solver_ops {
   const char *name;
-  unsigned features; /* HC_FOR_*: the fields it needs */
+  unsigned features;     /* HC_FOR_*: the fields it needs */
+  unsigned walls;        /* 1u << HC_WALLS_*: the boundary methods it works with */
+  const char *walls_why; /* it does not with others, for messages */
+  const char *const
+      *controls;        /* names of the step controls it works with, null-ended; the first by default */
+  const char *steadier; /* the one to advise where the pressure does not converge */
+
   /* Advances own particles by dt; dt_before is the last step's, 0 at the first. Collective.
    * Before: hc_world_update. After: positions, velocities, pressures new; cells and lists stale.
    * HC_FAILED, agreed, as fault.h says; the fault is in the report then, and velocities, densities, pressures
@@ -59,10 +69,19 @@ typedef struct hc_solver_ops {
   /* Fills densities (and what goes with them) at the present positions, as steps do. Collective. Before:
    * hc_world_update. */
   void (*densities)(hc_world *world, const hc_solver_settings *settings);
+
+  /* Refuses a start that it cannot go on from. Collective. Before: `densities`. HC_BAD_INPUT, agreed. */
+  hc_status (*check_start)(const hc_world *world, const hc_solver_settings *settings, hc_error *error);
+
+  /* A line for the log at the end of a run. Local. */
+  void (*summary)(const hc_solver_caps *caps, char *text, size_t size);
 } hc_solver_ops;
 
-extern const hc_solver_ops hc_solver_dfsph;
-extern const hc_solver_ops hc_solver_pcisph;
+/* Does it work with the step control of that name? Local. */
+bool hc_solver_works_with(const hc_solver_ops *solver, const char *control);
+
+/* For hc_solver_ops.summary: how often the caps were hit. Local. */
+void hc_solver_tell_caps(const hc_solver_caps *caps, char *text, size_t size);
 
 /* Shared by the solvers (motion.c). */
 

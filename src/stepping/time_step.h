@@ -1,10 +1,9 @@
-/* The choice of the time step. */
+/* What bounds every time step, however it is chosen: its length, the viscosity, the end of the run, a floor.
+ */
 #ifndef HC_TIME_STEP_H
 #define HC_TIME_STEP_H
 
-#include "solver/solver.h"
-
-typedef enum hc_step_control { HC_STEP_CONSTANT, HC_STEP_CFL, HC_STEP_ADAPTIVE } hc_step_control;
+#include <stdbool.h>
 
 /* What bounded a step; adaptive: what made it shrink or kept it from growing. */
 typedef enum hc_step_bound {
@@ -20,51 +19,35 @@ typedef enum hc_step_bound {
   HC_BOUND_END        /* the end of the run */
 } hc_step_bound;
 
-/* Factors of sqrt(h/F) and h/v, bounds of the time step, and of eta_avg, bounds of the density errors. */
-typedef struct hc_adaptive_bounds {
-  double force, velocity, error_max, error_avg;
-} hc_adaptive_bounds;
+const char *hc_step_bound_name(hc_step_bound bound);
 
-/* The constants of Ihmsen et al. 2010, section 3.3; in brackets its equations. See adaptive.h. */
-typedef struct hc_adaptive_settings {
-  double error_avg, error_max;            /* eta_avg, eta_max: fractions of the rest density */
-  double change;                          /* share by which a step grows or shrinks */
-  hc_adaptive_bounds grow, shrink;        /* (16) to (19), (20) to (23) */
-  double shock_rise, shock_velocity;      /* delta_shock (25), a fraction of the rest density; factor (27) */
-  double restart_force, restart_velocity; /* factors of (24) */
-  double restart_share;                   /* of the step that failed: the replay begins with no more */
-  int most_restarts;                      /* of one shock */
-  double first_velocity, first_depth;     /* factors of h/v0 and spacing/sqrt(gravity depth) */
-  double gravity, depth;                  /* m/s2; m: the fluid's height along gravity at the start */
-} hc_adaptive_settings;
-
+/* What every control heeds; the first member of its own settings. */
 typedef struct hc_step_settings {
-  hc_step_control control;
-  double size, max, factor;       /* s, s, 1: constant; cfl and adaptive; cfl */
-  double min;                     /* s: the floor; 0 = 1e-5 of the largest step */
+  double longest;                 /* s: no step is longer; constant: all are as long */
+  double min;                     /* s: the floor; 0 = 1e-5 of the longest step */
   double spacing, support_radius; /* m */
   double viscosity;               /* m2/s, 0 = no viscous bound */
   double end_time;                /* s */
-  hc_adaptive_settings adaptive;
 } hc_step_settings;
 
-/* The step from `time` on, given the last one (dt_before = 0 at the first) and what it reported: v_max and
- * force_max are read, adaptive: the density errors too. The same on every rank if the arguments are. Local.
- */
-double hc_time_step_next(const hc_step_settings *settings, double time, double dt_before,
-                         const hc_step_report *report, hc_step_bound *bound);
-
-/* The same for a step that is chosen already: what the end of the run makes of it. Local. */
-double hc_time_step_to_end(const hc_step_settings *settings, double time, double dt, hc_step_bound *bound);
+/* Makes *dt no longer than `limit`; *bound becomes the reason if that shortens it. Local. */
+void hc_time_step_shorten(double *dt, double limit, hc_step_bound reason, hc_step_bound *bound);
 
 /* The largest step that the viscosity allows, s; INFINITY without one. Local. */
 double hc_time_step_viscous_bound(const hc_step_settings *settings);
+
+/* What the end of the run makes of a step from `time` on: one that comes to it within the share `slack` of
+ * dt ends there, so that no sliver is left; `halve`: the last two steps share the time, since a much shorter
+ * last step would turn what density error is left into velocity. Local. */
+double hc_time_step_to_end(const hc_step_settings *settings, double time, double dt, double slack, bool halve,
+                           hc_step_bound *bound);
+
+/* The slack that is rounding's. */
+#define HC_TIME_STEP_SLIVER 1e-9
 
 /* The floor, s; and whether a step is below it, though the end of the run does not ask for one so short.
  * Local. */
 double hc_time_step_floor(const hc_step_settings *settings);
 bool hc_time_step_too_small(const hc_step_settings *settings, double time, double dt);
-
-const char *hc_step_bound_name(hc_step_bound bound);
 
 #endif

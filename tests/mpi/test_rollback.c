@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "io/checkpoint.h"
 #include "io/seal.h"
+#include "stepping/adaptive.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -57,13 +58,13 @@ START_TEST(a_shock_goes_back_two_steps) {
   ck_assert(simulation.report.force_max == reports[11].force_max);
   ck_assert(simulation.report.density_error_avg == reports[11].density_error_avg);
   ck_assert(simulation.report.density_error_max == reports[11].density_error_max);
-  const double next = simulation.rollback.guard.next;
+  const double next = simulation.control.guard.next;
   ck_assert(next > 0.0 && next <= 0.5 * (times[12] - times[11]) * 1.003);
   do_steps(&simulation, 1);
-  ck_assert(simulation.step == 12 && simulation.dt == next && simulation.rollback.before == 2);
+  ck_assert(simulation.step == 12 && simulation.dt == next && simulation.control.before == 2);
   do_steps(&simulation, 1); /* the hook strikes once */
-  ck_assert(simulation.step == 13 && simulation.rollback.before == 0);
-  ck_assert_int_eq(simulation.rollback.guard.rollbacks, 1);
+  ck_assert(simulation.step == 13 && simulation.control.before == 0);
+  ck_assert_int_eq(simulation.control.guard.rollbacks, 1);
   hc_simulation_free(&simulation);
 }
 END_TEST
@@ -80,7 +81,7 @@ START_TEST(rebalances_do_not_matter) {
     hc_simulation simulation;
     start(&simulation, &scene);
     while (simulation.step < 14) do_steps(&simulation, 1);
-    ck_assert_int_eq(simulation.rollback.guard.rollbacks, 3);
+    ck_assert_int_eq(simulation.control.guard.rollbacks, 3);
     ends[forced] = state_of(&simulation);
     hc_simulation_free(&simulation);
   }
@@ -101,7 +102,7 @@ START_TEST(where_nothing_older_is_known_one_step_goes_back) {
     do_steps(&simulation, 1);
     ck_assert(simulation.rollback.back == 1 && simulation.step == 0 && simulation.time == 0.0);
     EXPECT(particles_of(&simulation) == begin);
-    const hc_shock_guard *guard = &simulation.rollback.guard;
+    const hc_shock_guard *guard = &simulation.control.guard;
     ck_assert(guard->next <= 0.5 * last && guard->restarts == k && guard->untold == k);
     last = guard->next;
   }
@@ -121,8 +122,8 @@ START_TEST(the_floor_ends_it) {
   start(&simulation, &scene);
   while (simulation.step < 3) do_steps(&simulation, 1);
   scene.time_step.adaptive.restart.most = 1000;
-  simulation.step_settings.adaptive.most_restarts = 1000;
-  simulation.step_settings.min = simulation.dt / 100;
+  ((hc_adaptive_settings *)simulation.control.settings)->most_restarts = 1000;
+  simulation.control.settings->min = simulation.dt / 100;
   int calls = 0;
   while (hc_simulation_step(&simulation, &error) == HC_OK && calls < 100) calls++;
   ck_assert_int_lt(calls, 25); /* 7 halvings */
@@ -146,8 +147,8 @@ START_TEST(a_step_that_diverges_is_a_shock) {
   do_steps(&simulation, 1);
   ck_assert(simulation.rollback.back == 2 && simulation.step == 5);
   EXPECT(particles_of(&simulation) == before);
-  ck_assert_int_eq(simulation.rollback.guard.shock.kind, HC_SHOCK_FAULT);
-  ck_assert(simulation.rollback.guard.next < 0.6 * dt && simulation.rollback.guard.next > 0.4 * dt);
+  ck_assert_int_eq(simulation.control.guard.shock.kind, HC_SHOCK_FAULT);
+  ck_assert(simulation.control.guard.next < 0.6 * dt && simulation.control.guard.next > 0.4 * dt);
   scene.faults.kick_at = 0;
   do_steps(&simulation, 2);
   ck_assert_int_eq(simulation.step, 7);
@@ -216,7 +217,7 @@ START_TEST(a_checkpoint_rolls_back_as_far) {
       ck_assert_int_eq(simulation.rollback.back, other.rollback.back);
       EXPECT(state_of(&other) == state_of(&simulation));
     }
-    ck_assert_int_eq(other.rollback.guard.rollbacks, 2);
+    ck_assert_int_eq(other.control.guard.rollbacks, 2);
     remove_checkpoint(folder, path);
     hc_simulation_free(&simulation);
     hc_simulation_free(&other);

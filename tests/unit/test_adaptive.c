@@ -9,31 +9,39 @@
 
 static const double H = 0.04;
 
-static hc_step_settings usual(void) {
-  return (hc_step_settings){
-      .control = HC_STEP_ADAPTIVE,
-      .max = 0.1,
-      .spacing = 0.02,
-      .support_radius = H,
-      .end_time = 100.0,
-      .adaptive = {.error_avg = 0.01,
-                   .error_max = 0.1,
-                   .change = 0.002,
-                   .grow = {.force = 0.19, .velocity = 0.39, .error_max = 4.5, .error_avg = 0.9},
-                   .shrink = {.force = 0.2, .velocity = 0.4, .error_max = 5.5, .error_avg = 1},
-                   .shock_rise = 0.05,
-                   .shock_velocity = 0.45,
-                   .restart_force = 0.2,
-                   .restart_velocity = 0.25,
-                   .restart_share = 0.5,
-                   .most_restarts = 10,
-                   .first_velocity = 0.25,
-                   .first_depth = 0.2,
-                   .gravity = 9.81,
-                   .depth = 0.5}};
+static hc_adaptive_settings usual(void) {
+  return (hc_adaptive_settings){
+      .common = {.longest = 0.1, .spacing = 0.02, .support_radius = H, .end_time = 100.0},
+      .error_avg = 0.01,
+      .error_max = 0.1,
+      .change = 0.002,
+      .grow = {.force = 0.19, .velocity = 0.39, .error_max = 4.5, .error_avg = 0.9},
+      .shrink = {.force = 0.2, .velocity = 0.4, .error_max = 5.5, .error_avg = 1},
+      .shock_rise = 0.05,
+      .shock_velocity = 0.45,
+      .restart_force = 0.2,
+      .restart_velocity = 0.25,
+      .restart_share = 0.5,
+      .most_restarts = 10,
+      .first_velocity = 0.25,
+      .first_depth = 0.2,
+      .gravity = 9.81,
+      .depth = 0.5};
 }
 
 static const double DT = 0.001;
+
+static hc_control of(hc_adaptive_settings *settings) {
+  return (hc_control){.ops = &hc_control_adaptive, .settings = &settings->common};
+}
+
+static double next_of(hc_adaptive_settings *settings, double time, double before, hc_step_report report,
+                      hc_step_bound *bound) {
+  hc_control control = of(settings);
+  const double next = hc_control_next(&control, time, before, &report);
+  *bound = control.bound;
+  return next;
+}
 
 /* The force and speed at which a step of DT is `factor` of what they allow. */
 static double force_at(double factor) {
@@ -51,9 +59,9 @@ static hc_step_report calm(void) {
 
 /* `way`: -1, 0, 1: the step shrinks, stays, grows. */
 static void expect(hc_step_report report, int way, hc_step_bound bound) {
-  const hc_step_settings settings = usual();
+  hc_adaptive_settings settings = usual();
   hc_step_bound found = HC_BOUND_END;
-  const double next = hc_time_step_next(&settings, 1.0, DT, &report, &found);
+  const double next = next_of(&settings, 1.0, DT, report, &found);
   ck_assert_msg(found == bound, "%s governs, not %s", hc_step_bound_name(found), hc_step_bound_name(bound));
   ck_assert_double_eq(next, DT * (1.0 + way * 0.002));
 }
@@ -98,20 +106,19 @@ START_TEST(one_criterion_is_enough_to_shrink) {
 END_TEST
 
 START_TEST(the_largest_and_the_viscous_step_hold) {
-  hc_step_settings settings = usual();
+  hc_adaptive_settings settings = usual();
   hc_step_report report = calm();
   hc_step_bound bound;
-  settings.max = DT;
-  ck_assert_double_eq(hc_time_step_next(&settings, 0, DT, &report, &bound), DT);
+  settings.common.longest = DT;
+  ck_assert_double_eq(next_of(&settings, 0, DT, report, &bound), DT);
   ck_assert_int_eq(bound, HC_BOUND_SIZE);
-  settings.viscosity = 0.1; /* 0.125 (h/2)^2/nu */
-  ck_assert_double_eq_tol(hc_time_step_next(&settings, 0, DT, &report, &bound), 5e-4, 1e-15);
+  settings.common.viscosity = 0.1; /* 0.125 (h/2)^2/nu */
+  ck_assert_double_eq_tol(next_of(&settings, 0, DT, report, &bound), 5e-4, 1e-15);
   ck_assert_int_eq(bound, HC_BOUND_VISCOUS);
   settings = usual();
-  settings.end_time = 1.0;
-  ck_assert_double_eq(hc_time_step_next(&settings, 1.0 - 0.0015, DT, &report, &bound),
-                      0.5 * (1.0 - (1.0 - 0.0015)));
-  ck_assert_double_eq(hc_time_step_next(&settings, 1.0 - DT, DT, &report, &bound), 1.0 - (1.0 - DT));
+  settings.common.end_time = 1.0;
+  ck_assert_double_eq(next_of(&settings, 1.0 - 0.0015, DT, report, &bound), 0.5 * (1.0 - (1.0 - 0.0015)));
+  ck_assert_double_eq(next_of(&settings, 1.0 - DT, DT, report, &bound), 1.0 - (1.0 - DT));
   ck_assert_int_eq(bound, HC_BOUND_END);
 }
 END_TEST
@@ -119,15 +126,15 @@ END_TEST
 /* The last two steps share the time, also where they shrink: halving what is left again and again would never
  * end. */
 START_TEST(shrinking_steps_reach_the_end) {
-  hc_step_settings settings = usual();
-  settings.end_time = 1.0;
+  hc_adaptive_settings settings = usual();
+  settings.common.end_time = 1.0;
   hc_step_report report = calm();
   report.density_error_avg = 0.02;
   double time = 0.9985, dt = DT;
   hc_step_bound bound = HC_BOUND_SIZE;
   int steps = 0;
   for (; bound != HC_BOUND_END && steps < 10; steps++) {
-    dt = hc_time_step_next(&settings, time, dt, &report, &bound);
+    dt = next_of(&settings, time, dt, report, &bound);
     time += dt;
     ck_assert(dt > 0.5 * DT);
   }
@@ -137,30 +144,34 @@ START_TEST(shrinking_steps_reach_the_end) {
 END_TEST
 
 START_TEST(the_first_step_heeds_speed_and_depth) {
-  hc_step_settings settings = usual();
+  hc_adaptive_settings settings = usual();
   hc_step_report report = {.v_max = 0, .force_max = 9.81};
   hc_step_bound bound;
   const double deep = 0.2 * 0.02 / sqrt(9.81 * 0.5);
-  ck_assert_double_eq(hc_time_step_next(&settings, 0, 0, &report, &bound), deep);
+  ck_assert_double_eq(next_of(&settings, 0, 0, report, &bound), deep);
   ck_assert_int_eq(bound, HC_BOUND_DEPTH);
   report.v_max = 10;
-  ck_assert_double_eq(hc_time_step_next(&settings, 0, 0, &report, &bound), 0.25 * H / 10);
+  ck_assert_double_eq(next_of(&settings, 0, 0, report, &bound), 0.25 * H / 10);
   ck_assert_int_eq(bound, HC_BOUND_VELOCITY);
-  settings.max = 1e-4;
-  ck_assert_double_eq(hc_time_step_next(&settings, 0, 0, &report, &bound), 1e-4);
+  settings.common.longest = 1e-4;
+  ck_assert_double_eq(next_of(&settings, 0, 0, report, &bound), 1e-4);
   ck_assert_int_eq(bound, HC_BOUND_SIZE);
-  settings.max = 0.1;
-  settings.adaptive.gravity = 0;
+  settings.common.longest = 0.1;
+  settings.gravity = 0;
   report.v_max = 0;
-  ck_assert_double_eq(hc_time_step_next(&settings, 0, 0, &report, &bound), 0.1);
+  ck_assert_double_eq(next_of(&settings, 0, 0, report, &bound), 0.1);
   ck_assert_int_eq(bound, HC_BOUND_SIZE);
 }
 END_TEST
 
 static hc_shock_kind shock_of(double error, double before, double v_max) {
-  const hc_step_settings settings = usual();
+  hc_adaptive_settings settings = usual();
+  const hc_control control = of(&settings);
   const hc_step_report report = {.v_max = v_max, .density_error_max = error};
-  const hc_shock shock = hc_shock_find(&settings, 2.0, DT, before, &report);
+  const hc_step_tried tried = {.time = 2.0 - DT, .dt = DT, .report = &report, .error_before = before};
+  hc_shock shock;
+  const hc_verdict verdict = hc_control_judge(&control, &tried, &shock);
+  ck_assert_int_eq(verdict, shock.kind == HC_SHOCK_NONE ? HC_VERDICT_ACCEPT : HC_VERDICT_TAKE_BACK);
   if (shock.kind != HC_SHOCK_NONE) {
     char text[HC_SHOCK_TEXT];
     hc_shock_text(&shock, text);
@@ -183,74 +194,103 @@ START_TEST(shocks_are_found) {
 }
 END_TEST
 
+/* What failed may do better when shorter, but for what was wrong before it began. */
+START_TEST(failed_steps_are_judged) {
+  hc_adaptive_settings settings = usual();
+  hc_control control = of(&settings);
+  hc_step_report report = {.fault = {.kind = HC_FAULT_SPEED}};
+  const hc_step_tried tried = {.dt = DT, .report = &report, .error_before = -1, .status = HC_FAILED};
+  hc_shock shock;
+  ck_assert_int_eq(hc_control_judge(&control, &tried, &shock), HC_VERDICT_TAKE_BACK);
+  ck_assert_int_eq(shock.kind, HC_SHOCK_FAULT);
+  const hc_fault_kind lost[] = {HC_FAULT_TIME_STEP, HC_FAULT_START_VALUE, HC_FAULT_LEFT};
+  for (int k = 0; k < 3; k++) {
+    report.fault.kind = lost[k];
+    ck_assert_int_eq(hc_control_judge(&control, &tried, &shock), HC_VERDICT_FAILED);
+  }
+  const hc_step_report fast = {.v_max = speed_at(0.5), .fault = {.kind = HC_FAULT_LEFT}};
+  const hc_step_tried thrown = {.dt = DT, .report = &fast, .error_before = -1, .status = HC_FAILED};
+  ck_assert_int_eq(hc_control_judge(&control, &thrown, &shock), HC_VERDICT_TAKE_BACK);
+  control.guard.restarts = 10;
+  ck_assert_int_eq(hc_control_permit(&control, 1.0, DT), HC_VERDICT_ACCEPT);
+  control.guard.restarts = 11;
+  ck_assert_int_eq(hc_control_permit(&control, 1.0, DT), HC_VERDICT_GAVE_UP);
+}
+END_TEST
+
 START_TEST(a_replay_begins_with_a_shorter_step) {
-  const hc_step_settings settings = usual();
+  hc_adaptive_settings settings = usual();
   const hc_shock shock = {.kind = HC_SHOCK_RISE, .time = 1.0, .dt = DT};
   hc_step_report report = calm();
-  hc_shock_guard guard = {.until = 0};
-  hc_shock_guard_hit(&guard, &settings, &shock, &report, 2); /* calm: half of what failed */
-  ck_assert_double_eq(guard.next, 0.5 * DT);
+  hc_control control = of(&settings);
+  hc_shock_guard *guard = &control.guard;
+  hc_control_take_back(&control, &shock, &report, 2); /* calm: half of what failed */
+  ck_assert_double_eq(guard->next, 0.5 * DT);
   report.force_max = force_at(0.8); /* 0.2/0.8 of the step */
-  guard = (hc_shock_guard){.until = 0};
-  hc_shock_guard_hit(&guard, &settings, &shock, &report, 2);
-  ck_assert_double_eq_tol(guard.next, 0.25 * DT, 1e-18);
+  *guard = (hc_shock_guard){.until = 0};
+  hc_control_take_back(&control, &shock, &report, 2);
+  ck_assert_double_eq_tol(guard->next, 0.25 * DT, 1e-18);
   report = calm();
   report.v_max = speed_at(2.0); /* 0.25/2 */
-  guard = (hc_shock_guard){.until = 0};
-  hc_shock_guard_hit(&guard, &settings, &shock, &report, 2);
-  ck_assert_double_eq_tol(guard.next, 0.125 * DT, 1e-18);
+  *guard = (hc_shock_guard){.until = 0};
+  hc_control_take_back(&control, &shock, &report, 2);
+  ck_assert_double_eq_tol(guard->next, 0.125 * DT, 1e-18);
   /* a step that diverged leaves nothing to go by */
   const hc_shock diverged = {.kind = HC_SHOCK_FAULT, .time = 1.0, .dt = DT};
   report.force_max = 1e30;
-  guard = (hc_shock_guard){.until = 0};
-  hc_shock_guard_hit(&guard, &settings, &diverged, &report, 2);
-  ck_assert_double_eq(guard.next, 0.5 * DT);
+  *guard = (hc_shock_guard){.until = 0};
+  hc_control_take_back(&control, &diverged, &report, 2);
+  ck_assert_double_eq(guard->next, 0.5 * DT);
 }
 END_TEST
 
 START_TEST(only_the_time_of_the_shock_ends_the_guard) {
-  const hc_step_settings settings = usual();
+  hc_adaptive_settings settings = usual();
   hc_shock shock = {.kind = HC_SHOCK_ERROR, .time = 1.0, .dt = DT};
   const hc_step_report report = calm();
-  hc_shock_guard guard = {.until = 0};
-  ck_assert_int_eq(hc_shock_guard_pass(&guard, 0.999), 0);
-  hc_shock_guard_hit(&guard, &settings, &shock, &report, 2);
-  ck_assert(guard.until == 1.0 && guard.restarts == 1);
-  ck_assert_int_eq(hc_shock_guard_pass(&guard, 0.9985), 2); /* the first row tells of both steps */
-  ck_assert_int_eq(hc_shock_guard_pass(&guard, 0.999), 0);
-  ck_assert(guard.until == 1.0 && guard.begun == 0.5 * DT && guard.next == 0.0);
+  hc_control control = of(&settings);
+  hc_shock_guard *guard = &control.guard;
+  ck_assert_int_eq(hc_shock_guard_pass(guard, 0.999), 0);
+  hc_control_take_back(&control, &shock, &report, 2);
+  ck_assert(guard->until == 1.0 && guard->restarts == 1);
+  ck_assert_int_eq(hc_shock_guard_pass(guard, 0.9985), 2); /* the first row tells of both steps */
+  ck_assert_int_eq(hc_shock_guard_pass(guard, 0.999), 0);
+  ck_assert(guard->until == 1.0 && guard->begun == 0.5 * DT && guard->next == 0.0);
   /* a second shock before its time: half of what the replay began with, though steps have grown since */
   shock.time = 0.9995;
   shock.dt = 0.7 * DT;
-  hc_shock_guard_hit(&guard, &settings, &shock, &report, 2);
-  ck_assert_double_eq(guard.next, 0.25 * DT);
-  ck_assert(guard.until == 1.0 && guard.restarts == 2 && guard.rollbacks == 2 && guard.steps == 4);
+  hc_control_take_back(&control, &shock, &report, 2);
+  ck_assert_double_eq(guard->next, 0.25 * DT);
+  ck_assert(guard->until == 1.0 && guard->restarts == 2 && guard->rollbacks == 2 && guard->steps == 4);
   /* a third, of a shorter step that ended later */
   shock.time = 1.001;
   shock.dt = 0.1 * DT;
-  hc_shock_guard_hit(&guard, &settings, &shock, &report, 1);
-  ck_assert_double_eq(guard.next, 0.05 * DT);
-  ck_assert(guard.until == 1.001 && guard.restarts == 3 && guard.untold == 3);
-  ck_assert_int_eq(hc_shock_guard_pass(&guard, 1.0), 3);
-  ck_assert_int_eq(guard.restarts, 3);
-  hc_shock_guard_pass(&guard, 1.001);
-  ck_assert(guard.until == 0.0 && guard.restarts == 0 && guard.rollbacks == 3 && guard.steps == 5);
+  hc_control_take_back(&control, &shock, &report, 1);
+  ck_assert_double_eq(guard->next, 0.05 * DT);
+  ck_assert(guard->until == 1.001 && guard->restarts == 3 && guard->untold == 3);
+  ck_assert_int_eq(hc_shock_guard_pass(guard, 1.0), 3);
+  ck_assert_int_eq(guard->restarts, 3);
+  hc_shock_guard_pass(guard, 1.001);
+  ck_assert(guard->until == 0.0 && guard->restarts == 0 && guard->rollbacks == 3 && guard->steps == 5);
   /* the next is a shock of its own */
-  hc_shock_guard_hit(&guard, &settings, &shock, &report, 2);
-  ck_assert(guard.restarts == 1 && guard.next == 0.05 * DT);
+  hc_control_take_back(&control, &shock, &report, 2);
+  ck_assert(guard->restarts == 1 && guard->next == 0.05 * DT);
+  /* which the next step has, whatever the report says */
+  ck_assert(hc_control_next(&control, 0.5, DT, &report) == 0.05 * DT && control.bound == HC_BOUND_SHOCK);
 }
 END_TEST
 
 START_TEST(replays_reach_the_floor) {
-  const hc_step_settings settings = usual();
+  hc_adaptive_settings settings = usual();
   const hc_step_report report = calm();
-  hc_shock_guard guard = {.until = 0};
+  hc_control control = of(&settings);
+  hc_shock_guard *guard = &control.guard;
   double dt = DT;
   int count = 0;
-  for (; !hc_time_step_too_small(&settings, 1.0, dt) && count < 100; count++) {
+  for (; !hc_time_step_too_small(&settings.common, 1.0, dt) && count < 100; count++) {
     const hc_shock shock = {.kind = HC_SHOCK_ERROR, .time = 1.0 + dt, .dt = dt};
-    hc_shock_guard_hit(&guard, &settings, &shock, &report, 1);
-    dt = guard.next;
+    hc_control_take_back(&control, &shock, &report, 1);
+    dt = guard->next;
   }
   ck_assert_int_eq(count, 10); /* 1e-3 / 2^10 < 1e-5 * 0.1 */
 }
@@ -265,6 +305,7 @@ int main(void) {
   tcase_add_test(cases, shrinking_steps_reach_the_end);
   tcase_add_test(cases, the_first_step_heeds_speed_and_depth);
   tcase_add_test(cases, shocks_are_found);
+  tcase_add_test(cases, failed_steps_are_judged);
   tcase_add_test(cases, a_replay_begins_with_a_shorter_step);
   tcase_add_test(cases, only_the_time_of_the_shock_ends_the_guard);
   tcase_add_test(cases, replays_reach_the_floor);

@@ -4,6 +4,7 @@
 #include "scene/reader.h"
 #include "scene/scene.h"
 #include "scene/writer.h"
+#include "setup/methods.h"
 
 #include <check.h>
 #include <glob.h>
@@ -17,7 +18,8 @@
 #define SMALLEST "particle_spacing: 0.02\nend_time: 2\n"
 
 static const char *const fields[] = {"id", "velocity", "density", "pressure"};
-static const hc_scene_limits limits = {.snapshot_fields = fields, .snapshot_field_count = 4};
+static const hc_scene_limits limits = {
+    .snapshot_fields = fields, .snapshot_field_count = 4, .complete = hc_setup_complete};
 
 /* Reads `text` with up to one override (may be null). */
 static hc_status read_with(hc_scene *scene, const char *text, const char *override, hc_error *error) {

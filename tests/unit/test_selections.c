@@ -1,6 +1,7 @@
 /* Lists and sweeps of a selection: a selected particle has the same bits whoever else is selected, the others
  * are left alone; and no sweep reads what is on its way. */
 #include "cloud.h"
+#include "sph/error_rule.h"
 
 #include <check.h>
 #include <signal.h>

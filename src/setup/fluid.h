@@ -1,0 +1,19 @@
+/* What a scene says of its fluid as a whole. All local. */
+#ifndef HC_SETUP_FLUID_H
+#define HC_SETUP_FLUID_H
+
+#include "scene/scene.h"
+
+/* The size of gravity, m/s2. */
+double hc_setup_gravity(const hc_scene *scene);
+
+/* Of all blocks together, along gravity, m; 0 without gravity. */
+double hc_setup_fluid_height(const hc_scene *scene);
+
+/* Sound speed of the artificial viscosity, m/s; 0 for other viscosities. */
+double hc_setup_sound_speed(const hc_scene *scene);
+
+/* The kinematic viscosity that bounds the time step, m2/s; 0: none. */
+double hc_setup_kinematic_viscosity(const hc_scene *scene);
+
+#endif

@@ -1,0 +1,59 @@
+#include "methods.h"
+
+#include "setup/controls.h"
+#include "setup/settings.h"
+#include "setup/solvers.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static bool is_good(const hc_findings *findings, const char *path) {
+  return !hc_given_is_bad(findings->given, path);
+}
+
+/* The names of the boundary methods that a solver works with: "a, b". */
+static void name_walls(const hc_solver_ops *solver, char *text, size_t size) {
+  size_t used = 0;
+  hc_scene scene = {0};
+  text[0] = '\0';
+  for (int k = HC_BOUNDARY_AKINCI2012; k <= HC_BOUNDARY_HARADA2007 && used < size; k++) {
+    scene.boundary.method = (hc_boundary_method)k;
+    const hc_boundary_ops *walls = hc_settings_boundary(&scene);
+    if (solver->walls >> walls->walls & 1)
+      used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", walls->name);
+  }
+}
+
+static void check_walls(const hc_scene *scene, hc_findings *findings) {
+  const hc_boundary_ops *walls = hc_settings_boundary(scene);
+  if (walls->walls != HC_WALLS_MIRRORED && is_good(findings, "fluid.viscosity.model") &&
+      scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR)
+    hc_findings_error(
+        findings, "fluid.viscosity.model",
+        "fluid.viscosity.model must not be laminar unless boundary.method is akinci2012: only its "
+        "walls hold the fluid at their surface");
+  const hc_solver_ops *solver = hc_setup_solver_ops(scene);
+  if (solver->walls >> walls->walls & 1) return;
+  char names[128];
+  name_walls(solver, names, sizeof names);
+  hc_findings_error(findings, "boundary.method", "boundary.method must be %s with solver.method %s: %s",
+                    names, solver->name, solver->walls_why);
+}
+
+static void check_control(hc_scene *scene, hc_findings *findings) {
+  const hc_solver_ops *solver = hc_setup_solver_ops(scene);
+  if (!solver->controls) return;
+  if (!hc_given_has(findings->given, "time_step.control"))
+    hc_setup_control_named(solver->controls[0], &scene->time_step.control);
+  else if (!hc_solver_works_with(solver, hc_setup_control_ops(scene)->name))
+    hc_findings_error(findings, "time_step.control", "time_step.control must not be %s with solver.method %s",
+                      hc_setup_control_ops(scene)->name, solver->name);
+}
+
+void hc_setup_complete(hc_scene *scene, hc_findings *findings) {
+  const bool solver = is_good(findings, "solver.method"), control = is_good(findings, "time_step.control");
+  if (solver && is_good(findings, "boundary.method")) check_walls(scene, findings);
+  if (solver && control) check_control(scene, findings);
+  if (solver) hc_setup_solver_complete(scene, control && hc_setup_control_ops(scene)->by_errors, findings);
+  if (control) hc_setup_control_complete(scene, findings);
+}

@@ -1,0 +1,110 @@
+#include "solvers.h"
+
+#include "base/memory.h"
+#include "setup/fluid.h"
+#include "setup/rest_lattice.h"
+#include "solver/dfsph.h"
+#include "solver/pcisph.h"
+
+#include <string.h>
+
+static hc_viscous_force viscosity_of(hc_viscosity_model model) {
+  switch (model) {
+  case HC_VISCOSITY_NONE:
+    return HC_VISCOUS_NONE;
+  case HC_VISCOSITY_XSPH:
+    return HC_VISCOUS_XSPH;
+  case HC_VISCOSITY_ARTIFICIAL:
+    return HC_VISCOUS_ARTIFICIAL;
+  case HC_VISCOSITY_LAMINAR:
+    return HC_VISCOUS_LAMINAR;
+  }
+  return HC_VISCOUS_NONE;
+}
+
+static hc_solver_settings common_settings(const hc_scene *scene) {
+  hc_solver_settings common = {.rest_density = scene->fluid.rest_density,
+                               .viscosity = viscosity_of(scene->fluid.viscosity.model),
+                               .viscosity_coefficient = scene->fluid.viscosity.coefficient,
+                               .sound_speed = hc_setup_sound_speed(scene),
+                               .negative_pressure = scene->solver.negative_pressure};
+  memcpy(common.gravity, scene->gravity, sizeof common.gravity);
+  if (scene->fluid.surface_tension.model == HC_TENSION_BECKER2007)
+    common.surface_tension = scene->fluid.surface_tension.coefficient;
+  return common;
+}
+
+/* ---- dfsph ---- */
+
+static hc_solver_settings *dfsph_settings(const hc_scene *scene) {
+  hc_dfsph_settings *settings = hc_alloc(1, sizeof *settings);
+  *settings = (hc_dfsph_settings){.common = common_settings(scene),
+                                  .density_error_avg = scene->solver.density_error_avg,
+                                  .divergence_error = scene->solver.divergence_error,
+                                  .density_min = scene->solver.density_iterations.min,
+                                  .density_max = scene->solver.density_iterations.max,
+                                  .divergence_min = scene->solver.divergence_iterations.min,
+                                  .divergence_max = scene->solver.divergence_iterations.max,
+                                  .warm_start = scene->solver.warm_start,
+                                  .relaxation = scene->solver.relaxation,
+                                  .min_divergence_neighbors = scene->solver.min_divergence_neighbors};
+  return &settings->common;
+}
+
+/* ---- pcisph ---- */
+
+static hc_solver_settings *pcisph_settings(const hc_scene *scene) {
+  const double h = scene->support_radius, ratio = scene->particle_spacing / h;
+  const double h2 = h * h, h4 = h2 * h2;
+  hc_pcisph_settings *settings = hc_alloc(1, sizeof *settings);
+  *settings = (hc_pcisph_settings){.common = common_settings(scene),
+                                   .density_error_avg = scene->solver.density_error_avg,
+                                   .density_error_max = hc_scene_density_error_max(scene),
+                                   .density_min = scene->solver.density_iterations.min,
+                                   .density_max = scene->solver.density_iterations.max,
+                                   .gradient_square = hc_setup_rest_lattice_gradient(ratio) / (h4 * h4),
+                                   .shepard = scene->solver.density_correction == HC_CORRECTION_SHEPARD,
+                                   .friction = scene->boundary.friction,
+                                   .elasticity = scene->boundary.elasticity};
+  const double volume = scene->fluid.mass_factor / hc_setup_rest_lattice_sum(ratio); /* in h3 */
+  for (int k = 0; k <= HC_WALL_WEIGHTS; k++)
+    settings->wall_weights[k] = (float)(volume * hc_setup_half_space(ratio, (double)k / HC_WALL_WEIGHTS));
+  return &settings->common;
+}
+
+static void complete_pcisph(hc_scene *scene, bool by_errors, hc_findings *findings) {
+  const hc_given *given = findings->given;
+  if (!hc_given_has(given, "solver.density_error_avg")) scene->solver.density_error_avg = 0.01;
+  if (!hc_given_has(given, "solver.density_iterations.min")) scene->solver.density_iterations.min = 3;
+  if (by_errors && !hc_given_has(given, "solver.density_iterations.max"))
+    scene->solver.density_iterations.max = scene->solver.density_iterations.min;
+  const double average = scene->solver.density_error_avg, most = scene->solver.density_error_max;
+  if (by_errors || hc_given_is_bad(given, "solver.density_error_max") ||
+      hc_given_is_bad(given, "solver.density_error_avg") || most == 0.0 || most >= average)
+    return;
+  hc_findings_error(findings, "solver.density_error_max",
+                    "solver.density_error_max must be 0 or >= solver.density_error_avg, not %g < %g", most,
+                    average);
+}
+
+/* ---- the table ---- */
+
+static const struct {
+  const hc_solver_ops *ops;
+  hc_solver_settings *(*settings)(const hc_scene *scene);
+  void (*complete)(hc_scene *scene, bool by_errors, hc_findings *findings); /* null: nothing to do */
+} solvers[] = {[HC_SOLVER_DFSPH] = {&hc_solver_dfsph, dfsph_settings, NULL},
+               [HC_SOLVER_PCISPH] = {&hc_solver_pcisph, pcisph_settings, complete_pcisph}};
+
+const hc_solver_ops *hc_setup_solver_ops(const hc_scene *scene) {
+  return solvers[scene->solver.method].ops;
+}
+
+hc_solver_settings *hc_setup_solver_settings(const hc_scene *scene) {
+  return solvers[scene->solver.method].settings(scene);
+}
+
+void hc_setup_solver_complete(hc_scene *scene, bool by_errors, hc_findings *findings) {
+  if (solvers[scene->solver.method].complete)
+    solvers[scene->solver.method].complete(scene, by_errors, findings);
+}

@@ -1,0 +1,18 @@
+/* Divergence-free SPH, see dfsph.c. */
+#ifndef HC_DFSPH_H
+#define HC_DFSPH_H
+
+#include "solver.h"
+
+typedef struct hc_dfsph_settings {
+  hc_solver_settings common;
+  double density_error_avg;                                     /* fraction of the rest density */
+  double divergence_error;                                      /* fraction of the rest density per step */
+  int density_min, density_max, divergence_min, divergence_max; /* iterations */
+  double warm_start, relaxation;
+  int min_divergence_neighbors;
+} hc_dfsph_settings;
+
+extern const hc_solver_ops hc_solver_dfsph;
+
+#endif

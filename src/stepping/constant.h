@@ -1,0 +1,9 @@
+/* Steps of one length, which heed nothing but the end of the run. */
+#ifndef HC_CONSTANT_H
+#define HC_CONSTANT_H
+
+#include "control.h"
+
+extern const hc_control_ops hc_control_constant; /* hc_step_settings: no settings of its own */
+
+#endif
