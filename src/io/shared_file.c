@@ -70,10 +70,11 @@ static void check_shared(const hc_shared_file *file) {
       file->comm->rank, host, file->temporary, strerror(errno));
 }
 
+/* All ranks make the same metadata: they are written together, not by each rank some. */
 static void create_shared(hc_shared_file *file, int user_block) {
   const hid_t access = H5Pcreate(H5P_FILE_ACCESS), creation = H5Pcreate(H5P_FILE_CREATE);
   if (access < 0 || creation < 0 || H5Pset_fapl_mpio(access, file->comm->mpi, MPI_INFO_NULL) < 0 ||
-      H5Pset_userblock(creation, (hsize_t)user_block) < 0)
+      H5Pset_coll_metadata_write(access, true) < 0 || H5Pset_userblock(creation, (hsize_t)user_block) < 0)
     hc_h5_failed(file->problem, HC_IO_FAILED, "cannot set up parallel HDF5");
   else
     file->handle = H5Fcreate(file->temporary, H5F_ACC_TRUNC, creation, access);
