@@ -14,7 +14,7 @@ static double choose_step(hc_simulation *simulation) {
   return hc_time_step_to_end(settings, simulation->time, replay, &simulation->bound);
 }
 
-/* The step itself: the solver's, between the watches over its length and over the world's limits. */
+/* The step itself: the solver's, behind the watch over its length. */
 static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) {
   hc_world *world = &simulation->world;
   hc_fault *fault = &simulation->report.fault;
@@ -24,18 +24,34 @@ static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) 
     hc_simulation_fill_derived(simulation);
     hc_fault_note(fault, HC_FAULT_TIME_STEP, -1.0, INT64_MAX); /* also where no particle is left */
     hc_fault_watch_fastest(world, HC_FAULT_TIME_STEP, fault);
-    hc_fault_agree(world->comm, dt, fault, error);
+    hc_tally tally = {.count = 0};
+    hc_fault_agree(world->comm, dt, &tally, fault, error);
     if (gave_up)
       hc_error_set(error, HC_FAILED, "a shock came again in each of %d replays",
                    simulation->step_settings.adaptive.most_restarts);
     return error->status;
   }
-  if (simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt, &simulation->report,
-                               error) != HC_OK)
-    return error->status;
-  if (simulation->population.remove) return HC_OK;
-  hc_population_watch(&simulation->population, world, fault);
-  return hc_fault_agree(world->comm, dt, fault, error);
+  return simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt,
+                                  &simulation->report, error);
+}
+
+/* The time at the end of a step of dt. */
+static double time_behind(const hc_simulation *simulation, double dt) {
+  return simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
+}
+
+/* Behind the move: adds up over the ranks, in one reduction, what all have to say of the step; it fails if
+ * something has left the world. */
+static hc_status add_up(hc_simulation *simulation, double dt, hc_error *error) {
+  hc_step_report *report = &simulation->report;
+  hc_tally tally = {.count = 0};
+  hc_move_note(report, &tally);
+  hc_population_watch(&simulation->population, &simulation->world, time_behind(simulation, dt),
+                      &report->fault, &tally);
+  if (simulation->company.note) simulation->company.note(simulation->company.caller, dt, &tally);
+  hc_fault_agree(simulation->comm, dt, &tally, &report->fault, error);
+  hc_move_report(&simulation->world, report);
+  return error->status;
 }
 
 /* May a shorter step do better? */
@@ -95,6 +111,7 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_world_list(world, NULL);
   advance(simulation, dt, error);
   hc_balance_stop(&simulation->balance, simulation->comm);
+  if (error->status == HC_OK) add_up(simulation, dt, error);
   if (hc_simulation_may_go_back(simulation)) {
     const hc_shock shock = find_shock(simulation, dt, &before, error);
     if (shock.kind != HC_SHOCK_NONE) {
@@ -109,7 +126,7 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   }
   simulation->dt = dt;
   simulation->step++;
-  simulation->time = simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
+  simulation->time = time_behind(simulation, dt);
   if (simulation->report.density_capped) simulation->capped_at = simulation->step;
   simulation->rollback.before = hc_shock_guard_pass(&simulation->rollback.guard, simulation->time);
   hc_simulation_pose_walls(simulation);
