@@ -63,6 +63,9 @@ void hc_comm_max_i64(hc_comm *comm, int64_t *values, int count);
 void hc_comm_min_i64(hc_comm *comm, int64_t *values, int count);
 void hc_comm_sum_i64(hc_comm *comm, int64_t *values, int count);
 
+/* Sums and behind them maxima, in one reduction; see tally.h. */
+void hc_comm_sum_max_i64(hc_comm *comm, int64_t *values, int sums, int maxima);
+
 /* Adds exact sums of all ranks; carries the caller left open are taken care of. At most 8 sums. */
 enum { HC_COMM_MAX_SUMS = 8 };
 void hc_comm_sum_exact(hc_comm *comm, hc_sum *sums, int count);

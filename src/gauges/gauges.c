@@ -36,17 +36,6 @@ static int find_wall(const hc_scene *scene, const char *name) {
   return -1;
 }
 
-/* Adds sums over the ranks, as many as there are. */
-static void add_over_ranks(hc_comm *comm, hc_sum *sums, int count) {
-  for (int k = 0; k < count; k += HC_COMM_MAX_SUMS)
-    hc_comm_sum_exact(comm, sums + k, count - k < HC_COMM_MAX_SUMS ? count - k : HC_COMM_MAX_SUMS);
-}
-
-static double sum_over_ranks(hc_comm *comm, hc_sum *sum) {
-  hc_comm_sum_exact(comm, sum, 1);
-  return hc_sum_value(sum);
-}
-
 static bool pushes_wall(const hc_gauges *gauges, int g) {
   return gauges->state[g].wall >= 0;
 }
@@ -80,6 +69,7 @@ void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, con
     gauges->state[g].first_sum = gauges->sum_count;
     gauges->sum_count += sums_of(gauges, g);
   }
+  gauges->sums = hc_alloc_zero((size_t)gauges->sum_count, sizeof *gauges->sums);
 }
 
 hc_status hc_gauges_find_walls(hc_gauges *gauges, const hc_particles *boundary, hc_error *error) {
@@ -89,7 +79,8 @@ hc_status hc_gauges_find_walls(hc_gauges *gauges, const hc_particles *boundary, 
     hc_sum area;
     memset(&area, 0, sizeof area);
     hc_measure_patch_area(gauges, g, boundary, &area);
-    gauges->state[g].area = sum_over_ranks(gauges->comm, &area);
+    hc_comm_sum_exact(gauges->comm, &area, 1);
+    gauges->state[g].area = hc_sum_value(&area);
     if (gauges->state[g].area == 0.0)
       return hc_error_set(
           error, HC_BAD_INPUT,
@@ -101,6 +92,7 @@ hc_status hc_gauges_find_walls(hc_gauges *gauges, const hc_particles *boundary, 
 
 void hc_gauges_free(hc_gauges *gauges) {
   hc_free(gauges->state);
+  hc_free(gauges->sums);
   memset(gauges, 0, sizeof *gauges);
 }
 
@@ -132,65 +124,80 @@ static void add_step(hc_gauges *gauges, int g, const hc_sum *sums, double dt) {
   }
 }
 
-void hc_gauges_step(hc_gauges *gauges, const hc_sweep *sweep, double dt) {
+void hc_gauges_note(hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_tally *tally) {
   const hc_scene *scene = gauges->scene;
-  const int count = scene->output.gauge_count;
-  gauges->elapsed += dt;
-  if (gauges->sum_count == 0) return;
-  hc_sum *sums = hc_alloc_zero((size_t)gauges->sum_count, sizeof *sums);
   bool pushed = false;
-  for (int g = 0; g < count; g++) {
+  memset(gauges->sums, 0, (size_t)gauges->sum_count * sizeof *gauges->sums);
+  for (int g = 0; g < scene->output.gauge_count; g++) {
     const hc_scene_gauge *gauge = &scene->output.gauges[g];
-    hc_sum *own = sums + gauges->state[g].first_sum;
+    hc_sum *own = gauges->sums + gauges->state[g].first_sum;
     pushed |= pushes_wall(gauges, g);
     if (gauge->type == HC_GAUGE_PRESSURE && !pushes_wall(gauges, g))
       hc_measure_point_pressure(gauges, gauge, sweep->fluid, own);
     if (gauge->type == HC_GAUGE_FLOW)
       hc_sum_add(own, (double)hc_measure_crossings(gauges, gauge, sweep->fluid, dt));
   }
-  if (pushed) hc_measure_wall_push(gauges, sweep, dt, sums);
-  add_over_ranks(gauges->comm, sums, gauges->sum_count);
-  for (int g = 0; g < count; g++) add_step(gauges, g, sums + gauges->state[g].first_sum, dt);
-  hc_free(sums);
+  if (pushed) hc_measure_wall_push(gauges, sweep, dt, gauges->sums);
+  hc_tally_sum_exact(tally, gauges->sums, gauges->sum_count);
+}
+
+void hc_gauges_step(hc_gauges *gauges, double dt) {
+  gauges->elapsed += dt;
+  for (int g = 0; g < gauges->scene->output.gauge_count; g++)
+    add_step(gauges, g, gauges->sums + gauges->state[g].first_sum, dt);
 }
 
 /* ---- readings of the moment ---- */
 
+/* A particle near a height gauge's line. */
+typedef struct mark {
+  int64_t gauge, z;
+} mark;
+
+/* What all readings together need of all ranks. */
+typedef struct readings {
+  hc_sum *sums;    /* two a gauge */
+  int64_t *fronts; /* one a gauge */
+  mark *marks;     /* ascending, once gathered */
+  size_t mark_count, mark_room;
+} readings;
+
 static int ascending(const void *a, const void *b) {
-  const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
-  return (p > q) - (p < q);
+  const mark *p = a, *q = b;
+  if (p->gauge != q->gauge) return p->gauge < q->gauge ? -1 : 1;
+  return (p->z > q->z) - (p->z < q->z);
 }
 
-/* Particles within a spacing of the line; runs of them with gaps of up to 1.5 spacings are wet, and half a
- * spacing beyond either end. */
-static double read_height(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid) {
-  const hc_frame *frame = gauges->frame;
+/* Particles within a spacing of the line. */
+static void mark_height(const hc_gauges *gauges, int g, const hc_particles *fluid, readings *r) {
   const double spacing = gauges->scene->particle_spacing;
-  int64_t *mine = hc_alloc((size_t)fluid->own, sizeof *mine);
-  size_t count = 0, bytes = 0;
-  const hc_point at = hc_measure_point(frame, gauge->at);
+  const hc_point at = hc_measure_point(gauges->frame, gauges->scene->output.gauges[g].at);
   for (int32_t i = 0; i < fluid->own; i++) {
+    const int64_t *position = &fluid->position[3 * (size_t)i];
     double offset[3];
-    hc_measure_offset(frame, &fluid->position[3 * (size_t)i], &at, offset);
-    if (offset[0] * offset[0] + offset[1] * offset[1] <= spacing * spacing)
-      mine[count++] = fluid->position[3 * (size_t)i + 2];
+    hc_measure_offset(gauges->frame, position, &at, offset);
+    if (offset[0] * offset[0] + offset[1] * offset[1] > spacing * spacing) continue;
+    hc_reserve((void **)&r->marks, &r->mark_room, r->mark_count + 1, r->mark_count, sizeof *r->marks);
+    r->marks[r->mark_count++] = (mark){g, position[2]};
   }
-  void *found;
-  hc_comm_gather_all(gauges->comm, mine, count * sizeof *mine, &found, &bytes);
-  int64_t *z = found;
-  count = bytes / sizeof *z;
-  if (count) qsort(z, count, sizeof *z, ascending);
+}
+
+/* Runs of them with gaps of up to 1.5 spacings are wet, and half a spacing beyond either end. */
+static double height(const hc_gauges *gauges, int g, const readings *r) {
+  const double spacing = gauges->scene->particle_spacing;
   double wet = 0.0;
-  for (size_t k = 0; k < count; k++) {
-    const double gap = k > 0 ? (double)(z[k] - z[k - 1]) * frame->unit[2] : INFINITY;
+  bool first = true;
+  for (size_t k = 0; k < r->mark_count; k++) {
+    if (r->marks[k].gauge != g) continue;
+    const double gap =
+        first ? INFINITY : (double)(r->marks[k].z - r->marks[k - 1].z) * gauges->frame->unit[2];
     wet += gap <= 1.5 * spacing ? gap : spacing;
+    first = false;
   }
-  hc_free(found);
-  hc_free(mine);
   return wet;
 }
 
-static double read_front(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid) {
+static int64_t find_front(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid) {
   int sign;
   const int axis = hc_measure_axis(gauge, &sign);
   int64_t farthest = INT64_MIN;
@@ -199,16 +206,19 @@ static double read_front(const hc_gauges *gauges, const hc_scene_gauge *gauge, c
     if (sign * position[axis] > farthest && hc_measure_in_box(gauge, gauges->frame, position))
       farthest = sign * position[axis];
   }
-  hc_comm_max_i64(gauges->comm, &farthest, 1);
+  return farthest;
+}
+
+static double front(const hc_gauges *gauges, const hc_scene_gauge *gauge, int64_t farthest) {
+  int sign;
+  const int axis = hc_measure_axis(gauge, &sign);
   if (farthest == INT64_MIN) return NAN;
   return hc_frame_to_metres(gauges->frame, axis, sign * farthest) +
          sign * 0.5 * gauges->scene->particle_spacing;
 }
 
-static void read_energy(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid,
-                        double values[2]) {
-  hc_sum sums[2];
-  memset(sums, 0, sizeof sums);
+static void add_energy(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid,
+                       hc_sum sums[2]) {
   for (int32_t i = 0; i < fluid->own; i++) {
     const int64_t *position = &fluid->position[3 * (size_t)i];
     if (!hc_measure_in_box(gauge, gauges->frame, position)) continue;
@@ -219,48 +229,84 @@ static void read_energy(const hc_gauges *gauges, const hc_scene_gauge *gauge, co
     hc_sum_add(&sums[0], v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     hc_sum_add(&sums[1], depth);
   }
-  add_over_ranks(gauges->comm, sums, 2);
-  values[0] = 0.5 * gauges->mass * hc_sum_value(&sums[0]);
-  values[1] = -gauges->mass * hc_sum_value(&sums[1]);
 }
 
-static double read_volume(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid) {
-  hc_sum sum;
-  memset(&sum, 0, sizeof sum);
+static void add_volume(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid,
+                       hc_sum *sum) {
   for (int32_t i = 0; i < fluid->own; i++)
     if (hc_measure_in_box(gauge, gauges->frame, &fluid->position[3 * (size_t)i]))
-      hc_sum_add(&sum, gauges->mass / fmax((double)fluid->density[i], gauges->scene->fluid.rest_density));
-  return sum_over_ranks(gauges->comm, &sum);
+      hc_sum_add(sum, gauges->mass / fmax((double)fluid->density[i], gauges->scene->fluid.rest_density));
+}
+
+/* Everybody's marks, on every rank. */
+static void gather_marks(hc_comm *comm, readings *r) {
+  void *all;
+  size_t bytes;
+  hc_comm_gather_all(comm, r->marks, r->mark_count * sizeof *r->marks, &all, &bytes);
+  hc_free(r->marks);
+  r->marks = all;
+  r->mark_count = bytes / sizeof *r->marks;
+  if (r->mark_count) qsort(r->marks, r->mark_count, sizeof *r->marks, ascending);
+}
+
+static void take_readings(const hc_gauges *gauges, const hc_particles *fluid, readings *r) {
+  const hc_scene *scene = gauges->scene;
+  const int count = scene->output.gauge_count;
+  bool heights = false;
+  for (int g = 0; g < count; g++) {
+    const hc_scene_gauge *gauge = &scene->output.gauges[g];
+    heights |= gauge->type == HC_GAUGE_HEIGHT;
+    if (gauge->type == HC_GAUGE_HEIGHT) mark_height(gauges, g, fluid, r);
+    if (gauge->type == HC_GAUGE_FRONT) r->fronts[g] = find_front(gauges, gauge, fluid);
+    if (gauge->type == HC_GAUGE_ENERGY) add_energy(gauges, gauge, fluid, &r->sums[2 * g]);
+    if (gauge->type == HC_GAUGE_VOLUME) add_volume(gauges, gauge, fluid, &r->sums[2 * g]);
+  }
+  hc_tally tally = {.count = 0};
+  hc_tally_sum_exact(&tally, r->sums, 2 * count);
+  hc_tally_max_i64(&tally, r->fronts, count);
+  hc_tally_reduce(gauges->comm, &tally);
+  if (heights) gather_marks(gauges->comm, r);
+}
+
+/* A gauge's columns; begins its averages anew. */
+static void tell(hc_gauges *gauges, int g, const readings *r, double *values) {
+  const hc_scene_gauge *gauge = &gauges->scene->output.gauges[g];
+  hc_gauge_state *state = &gauges->state[g];
+  switch (gauge->type) {
+  case HC_GAUGE_HEIGHT:
+    values[0] = height(gauges, g, r);
+    break;
+  case HC_GAUGE_FRONT:
+    values[0] = front(gauges, gauge, r->fronts[g]);
+    break;
+  case HC_GAUGE_ENERGY:
+    values[0] = 0.5 * gauges->mass * hc_sum_value(&r->sums[2 * g]);
+    values[1] = -gauges->mass * hc_sum_value(&r->sums[2 * g + 1]);
+    break;
+  case HC_GAUGE_VOLUME:
+    values[0] = hc_sum_value(&r->sums[2 * g]);
+    break;
+  case HC_GAUGE_PRESSURE:
+  case HC_GAUGE_FLOW:
+  case HC_GAUGE_FORCE:
+    for (int k = 0; k < columns_of(gauge->type); k++)
+      values[k] = gauges->elapsed > 0.0 ? state->integral[k] / gauges->elapsed : 0.0;
+    memset(state->integral, 0, sizeof state->integral);
+    break;
+  }
 }
 
 void hc_gauges_read(hc_gauges *gauges, const hc_particles *fluid, double *values) {
-  const hc_scene *scene = gauges->scene;
-  for (int g = 0; g < scene->output.gauge_count; g++) {
-    const hc_scene_gauge *gauge = &scene->output.gauges[g];
-    const int columns = columns_of(gauge->type);
-    hc_gauge_state *state = &gauges->state[g];
-    switch (gauge->type) {
-    case HC_GAUGE_HEIGHT:
-      values[0] = read_height(gauges, gauge, fluid);
-      break;
-    case HC_GAUGE_FRONT:
-      values[0] = read_front(gauges, gauge, fluid);
-      break;
-    case HC_GAUGE_ENERGY:
-      read_energy(gauges, gauge, fluid, values);
-      break;
-    case HC_GAUGE_VOLUME:
-      values[0] = read_volume(gauges, gauge, fluid);
-      break;
-    case HC_GAUGE_PRESSURE:
-    case HC_GAUGE_FLOW:
-    case HC_GAUGE_FORCE:
-      for (int k = 0; k < columns; k++)
-        values[k] = gauges->elapsed > 0.0 ? state->integral[k] / gauges->elapsed : 0.0;
-      memset(state->integral, 0, sizeof state->integral);
-      break;
-    }
-    values += columns;
+  const int count = gauges->scene->output.gauge_count;
+  readings r = {.sums = hc_alloc_zero(2 * (size_t)count, sizeof *r.sums),
+                .fronts = hc_alloc_zero((size_t)count, sizeof *r.fronts)};
+  take_readings(gauges, fluid, &r);
+  for (int g = 0; g < count; g++) {
+    tell(gauges, g, &r, values);
+    values += columns_of(gauges->scene->output.gauges[g].type);
   }
+  hc_free(r.sums);
+  hc_free(r.fronts);
+  hc_free(r.marks);
   gauges->elapsed = 0.0;
 }

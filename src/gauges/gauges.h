@@ -18,6 +18,7 @@
 #ifndef HC_GAUGES_H
 #define HC_GAUGES_H
 
+#include "comm/tally.h"
 #include "measures.h"
 
 /* Sets up the scene's gauges; scene and frame stay in use. Local. */
@@ -34,11 +35,15 @@ hc_status hc_gauges_find_walls(hc_gauges *gauges, const hc_particles *boundary, 
 int hc_gauges_columns(const hc_scene *scene);
 void hc_gauges_column_name(const hc_scene *scene, int column, char *name, size_t size);
 
-/* After each step: adds it to what is averaged. `sweep` still has the places and wall lists that the step
- * worked with, positions are those after it. Collective. */
-void hc_gauges_step(hc_gauges *gauges, const hc_sweep *sweep, double dt);
+/* In each step, behind its move: notes in the tally what is averaged. `sweep` still has the places and wall
+ * lists that the step worked with, positions are those after it. Local. */
+void hc_gauges_note(hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_tally *tally);
 
-/* The values of all columns, on every rank, and a new start for the averages. Collective. */
+/* Once that is reduced, and the step counts: adds it to the averages. Local. */
+void hc_gauges_step(hc_gauges *gauges, double dt);
+
+/* The values of all columns, on every rank, and a new start for the averages. Collective: one reduction for
+ * all that is summed or a front, one gather for all heights. */
 void hc_gauges_read(hc_gauges *gauges, const hc_particles *fluid, double *values);
 
 #endif

@@ -14,7 +14,7 @@ typedef struct hc_gauge_state {
   double integral[HC_GAUGE_COLUMNS]; /* of what is averaged, over the time since the last reading */
   double area;                       /* pressure on a wall: weighted area of the samples around, m2 */
   int wall;                          /* the wall's number; -1: none */
-  int first_sum;                     /* of a step's sums over the ranks */
+  int first_sum;                     /* of a step's sums */
 } hc_gauge_state;
 
 typedef struct hc_gauges {
@@ -23,6 +23,7 @@ typedef struct hc_gauges {
   hc_comm *comm;
   hc_gauge_state *state; /* one for each of scene->output.gauges */
   double mass;           /* kg, of a fluid particle */
+  hc_sum *sums;          /* of the step: of this rank, then of all; those of a gauge behind each other */
   int sum_count;         /* of all gauges that are averaged */
   double elapsed;        /* s, since the last reading */
 } hc_gauges;

@@ -93,9 +93,9 @@ void hc_job_log_start(hc_job *job) {
               (long long)world->division.bricks, 1 << world->division.bits, simulation->imbalance);
 }
 
-hc_status hc_job_add_step_row(hc_job *job, const hc_job_load *load, double active_boundary, const char *event,
-                              hc_error *error) {
+void hc_job_add_step_row(hc_job *job, const char *event) {
   const hc_simulation *simulation = &job->simulation;
+  const int64_t boundary = simulation->world.boundary_total;
   const hc_step_report *report = &simulation->report;
   const hc_step_row step = {.step = simulation->step,
                             .time = simulation->time,
@@ -109,18 +109,19 @@ hc_status hc_job_add_step_row(hc_job *job, const hc_job_load *load, double activ
                             .force_max = report->force_max,
                             .kinetic_energy = report->kinetic_energy,
                             .potential_energy = report->potential_energy,
-                            .fluid_particles = load->fluid,
+                            .fluid_particles = job->load.fluid,
                             .active_fraction = 1.0,
-                            .active_boundary_fraction = active_boundary,
+                            .active_boundary_fraction =
+                                boundary > 0 ? (double)job->load.active_boundary / (double)boundary : 0.0,
                             .event = event};
-  return hc_tables_add_step(&job->tables, &step, error);
+  if (job->problem.status == HC_OK) hc_tables_add_step(&job->tables, &step, &job->problem);
 }
 
-hc_status hc_job_add_load_row(hc_job *job, const hc_job_load *load, double wall_seconds, const char *event,
-                              hc_error *error) {
+void hc_job_add_load_row(hc_job *job, double wall_seconds, const char *event) {
+  const hc_job_load *load = &job->load;
   const hc_load_row row = {job->simulation.step, wall_seconds,    load->imbalance,
                            load->ghosts_max,     load->bytes_max, event};
-  return hc_tables_add_load(&job->tables, &row, error);
+  if (job->problem.status == HC_OK) hc_tables_add_load(&job->tables, &row, &job->problem);
 }
 
 hc_status hc_job_take_back(hc_job *job, hc_error *error) {
@@ -133,10 +134,19 @@ hc_status hc_job_take_back(hc_job *job, hc_error *error) {
   hc_log_info(&job->log,
               "step %lld, t = %g s: shock: %s; v_max %.4g m/s, force_max %.4g m/s2; back %d step%s to step "
               "%lld, t = %g s, restart %lld: time step %.4g s -> %.4g s",
+<<<<<<< HEAD
               (long long)simulation->step + back, guard->shock.time, what, control->v_max, control->force_max,
               back, back == 1 ? "" : "s", (long long)simulation->step, simulation->time,
               (long long)guard->restarts, guard->shock.dt, guard->next);
   if (job->comm->rank == 0 &&
+=======
+              (long long)simulation->step + rollback->back, guard->shock.time, what, rollback->v_max,
+              rollback->force_max, rollback->back, rollback->back == 1 ? "" : "s",
+              (long long)simulation->step, simulation->time, (long long)guard->restarts, guard->shock.dt,
+              guard->next);
+  *error = job->problem;
+  if (job->comm->rank == 0 && error->status == HC_OK &&
+>>>>>>> 937daa2
       hc_run_dir_cut(job->directory, simulation->step, job->counts.snapshots, error) == HC_OK)
     hc_tables_cut(&job->tables, simulation->step, job->counts.gauge_time, error);
   return hc_comm_agree(job->comm, error);

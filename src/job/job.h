@@ -25,13 +25,15 @@ typedef struct hc_job_options {
   bool force, quiet;        /* overwrite a run; show no progress */
 } hc_job_options;
 
-/* What the ranks know of a step only together. */
+/* What the ranks know of a step only together: one rank's, until it is reduced. */
 typedef struct hc_job_load {
-  double imbalance;
-  int64_t ghosts_max, bytes_max, fluid;
-  int signal;           /* that a rank has received, 0: none */
-  bool out_of_time;     /* --walltime: rank 0's clock says stop */
-  bool checkpoint_time; /* rank 0's clock says it is time for a checkpoint */
+  int64_t fluid, active_boundary, work;    /* particles; active ones; ns: sums */
+  int64_t work_max, ghosts_max, bytes_max; /* ns; particles; bytes sent: maxima, as what follows */
+  int64_t signal;                          /* that a rank has received, 0: none */
+  int64_t out_of_time;                     /* --walltime: rank 0's clock says stop */
+  int64_t checkpoint_time;                 /* rank 0's clock says it is time for a checkpoint */
+  int64_t tables_failed;                   /* rank 0 could not write a row, see hc_job.problem */
+  double imbalance;                        /* of work */
 } hc_job_load;
 
 /* Counts over the whole run, restarts included: state, though no step reads them. */
@@ -63,6 +65,9 @@ typedef struct hc_job {
   hc_explained explained;
   hc_gauges gauges;
   double *gauge_values;
+  hc_job_load load;     /* of the last step */
+  int64_t bytes_before; /* sent before the step under way */
+  hc_error problem;     /* rank 0's with the tables, which all learn with the next step or checkpoint */
   hc_job_counts counts;
   int64_t first_step;                      /* the step that this session started from, */
   double first_time;                       /* and the time, s */
@@ -95,14 +100,14 @@ void hc_job_close_files(hc_job *job, hc_error *error);
 /* What the log says at the start. Local. */
 void hc_job_log_start(hc_job *job);
 
-/* A row of steps.csv, a row of load.csv, for rank 0. `event`: words joined by '+'. */
-hc_status hc_job_add_step_row(hc_job *job, const hc_job_load *load, double active_boundary, const char *event,
-                              hc_error *error);
-hc_status hc_job_add_load_row(hc_job *job, const hc_job_load *load, double wall_seconds, const char *event,
-                              hc_error *error);
+/* A row of steps.csv, a row of load.csv, for rank 0; what goes wrong is job->problem. `event`: words joined
+ * by
+ * '+'. */
+void hc_job_add_step_row(hc_job *job, const char *event);
+void hc_job_add_load_row(hc_job *job, double wall_seconds, const char *event);
 
 /* After a step that was taken back (see rollback.h): says so in the log, and removes rows, snapshots and
- * readings of steps that are no more. Collective; HC_IO_FAILED, agreed. */
+ * readings of steps that are no more. Collective; HC_IO_FAILED, agreed, as for what job->problem holds. */
 hc_status hc_job_take_back(hc_job *job, hc_error *error);
 
 /* Timings by stage into timings.json and the log. Collective. */
@@ -125,7 +130,8 @@ hc_status hc_job_find_checkpoint(hc_job *job, hc_error *error);
 /* Takes the state over from job->checkpoint. Collective; HC_IO_FAILED, agreed. */
 hc_status hc_job_read_checkpoint(hc_job *job, hc_error *error);
 
-/* Writes a checkpoint, with the tables on disk before it. Collective; HC_IO_FAILED, agreed. */
+/* Writes a checkpoint, with the tables on disk before it. Collective; HC_IO_FAILED, agreed, as for what
+ * job->problem holds. */
 hc_status hc_job_write_checkpoint(hc_job *job, hc_error *error);
 
 /* Rank 0's clock, see hc_job_load. Local. */

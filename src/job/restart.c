@@ -163,7 +163,10 @@ hc_status hc_job_write_checkpoint(hc_job *job, hc_error *error) {
   hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
   const double begin = hc_seconds();
   int64_t bytes = 0;
-  hc_tables_sync(&job->tables, error); /* rows of steps that the checkpoint has done must be there with it */
+  *error = job->problem;
+  if (error->status == HC_OK)
+    hc_tables_sync(&job->tables,
+                   error); /* rows of steps that the checkpoint has done must be there with it */
   if (hc_comm_agree(job->comm, error) != HC_OK) return error->status;
   hc_state_copy now = {.full = false};
   hc_simulation_show_resumable(simulation, &now);

@@ -69,11 +69,12 @@ static hc_status write_fault(hc_job *job, hc_error *error) {
   return error->status;
 }
 
-/* A row of gauges.csv. Collective; only rank 0 can fail. */
-static hc_status read_gauges(hc_job *job, hc_error *error) {
+/* A row of gauges.csv; what goes wrong is rank 0's problem. Collective. */
+static void read_gauges(hc_job *job) {
   hc_gauges_read(&job->gauges, job->simulation.world.fluid, job->gauge_values);
-  return hc_tables_add_gauges(&job->tables, job->simulation.time, job->gauge_values,
-                              hc_gauges_columns(job->scene), error);
+  if (job->problem.status == HC_OK)
+    hc_tables_add_gauges(&job->tables, job->simulation.time, job->gauge_values, hc_gauges_columns(job->scene),
+                         &job->problem);
 }
 
 /* The state at the start. */
@@ -81,10 +82,10 @@ static hc_status write_start(hc_job *job, hc_error *error) {
   if (write_snapshot(job, error) != HC_OK) return error->status;
   job->counts.snapshots++;
   if (job->scene->output.gauge_count > 0) {
-    read_gauges(job, error);
+    read_gauges(job);
     job->counts.gauge_time = job->simulation.time;
   }
-  return hc_comm_agree(job->comm, error);
+  return HC_OK;
 }
 
 /* Snapshot and gauges of the last moment, if it was not their turn anyway. They leave no trace in the state,
@@ -94,10 +95,10 @@ static hc_status write_end(hc_job *job, bool wrote_snapshot, bool wrote_gauges, 
   if (wrote_gauges || job->scene->output.gauge_count == 0) return HC_OK;
   hc_state_copy items = {.full = false};
   hc_state_remember(&items, &job->simulation.state, 0);
-  read_gauges(job, error);
+  read_gauges(job);
   hc_state_restore(&items, &job->simulation.state);
   hc_state_copy_free(&items);
-  return hc_comm_agree(job->comm, error);
+  return HC_OK;
 }
 
 /* ---- the steps ---- */
@@ -107,24 +108,44 @@ bool hc_job_is_over(const hc_job *job) {
          (job->options->steps >= 0 && job->simulation.step >= job->options->steps);
 }
 
-static hc_job_load measure_load(hc_job *job, int64_t bytes_before) {
+/* This rank's load, and where it is to be added up. */
+static void note_load(hc_job *job, hc_tally *tally) {
   const hc_world *world = &job->simulation.world;
-  hc_balance *balance = &job->simulation.balance;
-  const int64_t work = (int64_t)(1e9 * balance->step_work);
+  const int64_t work = (int64_t)(1e9 * job->simulation.balance.step_work);
   const bool first = job->comm->rank == 0;
-  int64_t largest[6] = {work,
-                        world->fluid->ghosts + world->boundary->ghosts + world->moving->ghosts,
-                        job->comm->bytes_sent - bytes_before,
-                        hc_stop_signal(),
-                        first && hc_job_out_of_time(job),
-                        first && hc_job_checkpoint_time(job)};
-  int64_t totals[2] = {world->fluid->own, work};
-  hc_comm_max_i64(job->comm, largest, 6);
-  hc_comm_sum_i64(job->comm, totals, 2);
-  const double imbalance =
-      hc_balance_note(balance, 1e-9 * (double)largest[0], 1e-9 * (double)totals[1] / job->comm->size);
-  return (hc_job_load){imbalance,       largest[1],      largest[2],     totals[0],
-                       (int)largest[3], largest[4] != 0, largest[5] != 0};
+  hc_job_load *load = &job->load;
+  *load = (hc_job_load){.fluid = world->fluid->own,
+                        .active_boundary = hc_world_active_boundary(world),
+                        .work = work,
+                        .work_max = work,
+                        .ghosts_max = world->fluid->ghosts + world->boundary->ghosts + world->moving->ghosts,
+                        .bytes_max = job->comm->bytes_sent - job->bytes_before,
+                        .signal = hc_stop_signal(),
+                        .out_of_time = first && hc_job_out_of_time(job),
+                        .checkpoint_time = first && hc_job_checkpoint_time(job),
+                        .tables_failed = job->problem.status != HC_OK};
+  int64_t *const sums[] = {&load->fluid, &load->active_boundary, &load->work};
+  int64_t *const maxima[] = {&load->work_max,    &load->ghosts_max,      &load->bytes_max,    &load->signal,
+                             &load->out_of_time, &load->checkpoint_time, &load->tables_failed};
+  for (size_t k = 0; k < sizeof sums / sizeof *sums; k++) hc_tally_sum_i64(tally, sums[k], 1);
+  for (size_t k = 0; k < sizeof maxima / sizeof *maxima; k++) hc_tally_max_i64(tally, maxima[k], 1);
+}
+
+/* Once it is added up. */
+static void judge_load(hc_job *job) {
+  hc_job_load *load = &job->load;
+  load->imbalance = hc_balance_note(&job->simulation.balance, 1e-9 * (double)load->work_max,
+                                    1e-9 * (double)load->work / job->comm->size);
+}
+
+/* Behind a step's move: what of it is the job's, see hc_company. */
+static void note_step(void *caller, double dt, hc_tally *tally) {
+  hc_job *job = caller;
+  hc_world *world = &job->simulation.world;
+  hc_stopwatch_enter(&world->watch, HC_STAGE_OUTPUT);
+  hc_gauges_note(&job->gauges, &world->sweep, dt, tally);
+  note_load(job, tally);
+  hc_stopwatch_enter(&world->watch, HC_STAGE_MOVE);
 }
 
 /* Particles that were taken out: the first ten of a run one by one, then how many in a step. */
@@ -213,7 +234,7 @@ static void tell_rebalance(hc_job *job) {
       (long long)balance->ghosts, balance->last_seconds);
 }
 
-static hc_progress_sample progress_sample(const hc_job *job, const hc_job_load *load) {
+static hc_progress_sample progress_sample(const hc_job *job) {
   const hc_simulation *simulation = &job->simulation;
   return (hc_progress_sample){simulation->step,
                               simulation->time,
@@ -221,34 +242,39 @@ static hc_progress_sample progress_sample(const hc_job *job, const hc_job_load *
                               simulation->report.density_iterations,
                               simulation->report.divergence_iterations,
                               simulation->report.density_error_avg,
-                              load->fluid,
-                              load->imbalance};
+                              job->load.fluid,
+                              job->load.imbalance};
 }
 
 /* One step with its due outputs: rows, snapshot, gauges. */
 typedef struct done {
-  hc_job_load load;
   double wall_seconds;   /* what was taken back before it not counted */
   bool taken_back;       /* there is no step */
   bool snapshot, gauges; /* written */
 } done;
 
+/* Rank 0's problem becomes everybody's. */
+static hc_status agree_on_problem(hc_job *job, hc_error *error) {
+  *error = job->problem;
+  return hc_comm_agree(job->comm, error);
+}
+
 static hc_status step_and_report(hc_job *job, done *done, hc_error *error) {
   hc_simulation *simulation = &job->simulation;
   const double start = hc_seconds(), before = simulation->time;
-  const int64_t bytes_before = job->comm->bytes_sent;
+  job->bytes_before = job->comm->bytes_sent;
   if (hc_simulation_step(simulation, error) != HC_OK) return write_fault(job, error);
   done->taken_back = simulation->rollback.back > 0;
   if (done->taken_back) return hc_job_take_back(job, error);
+  if (job->load.tables_failed) return agree_on_problem(job, error);
   hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
-  hc_gauges_step(&job->gauges, &simulation->world.sweep, simulation->dt);
-  const double active_boundary = hc_world_active_boundary(&simulation->world);
-  done->load = measure_load(job, bytes_before);
-  if (done->load.fluid != simulation->world.fluid_total)
+  hc_gauges_step(&job->gauges, simulation->dt);
+  judge_load(job);
+  if (job->load.fluid != simulation->world.fluid_total)
     return hc_error_set(error, HC_FAILED, "step %lld: %lld of %lld fluid particles are left",
-                        (long long)simulation->step, (long long)done->load.fluid,
+                        (long long)simulation->step, (long long)job->load.fluid,
                         (long long)simulation->world.fluid_total);
-  job->particle_steps += (double)done->load.fluid;
+  job->particle_steps += (double)job->load.fluid;
   char event[128];
   judge_step(job, event, sizeof event);
   hc_explain_time_step(&job->explained, simulation, &job->log);
@@ -258,17 +284,17 @@ static hc_status step_and_report(hc_job *job, done *done, hc_error *error) {
   if (done->snapshot && write_snapshot(job, error) != HC_OK) return error->status;
   if (done->snapshot) job->counts.snapshots++;
   hc_stopwatch_enter(&simulation->world.watch, HC_STAGE_OUTPUT);
-  if (done->gauges) read_gauges(job, error);
+  if (done->gauges) read_gauges(job);
   if (done->gauges) job->counts.gauge_time = simulation->time;
-  if (error->status == HC_OK) hc_job_add_step_row(job, &done->load, active_boundary, event, error);
+  hc_job_add_step_row(job, event);
   done->wall_seconds = hc_seconds() - start;
   job->slowest_step = fmax(job->slowest_step, done->wall_seconds);
-  return hc_comm_agree(job->comm, error);
+  return HC_OK;
 }
 
-static bool checkpoint_due(const hc_job *job, const hc_job_load *load) {
+static bool checkpoint_due(const hc_job *job) {
   const int every = job->scene->output.checkpoints_every_steps;
-  return load->checkpoint_time || (every > 0 && job->simulation.step % every == 0);
+  return job->load.checkpoint_time || (every > 0 && job->simulation.step % every == 0);
 }
 
 static void join_events(const hc_simulation *simulation, bool snapshot, bool checkpoint, char *event,
@@ -279,12 +305,12 @@ static void join_events(const hc_simulation *simulation, bool snapshot, bool che
   if (*event) memmove(event, event + 1, strlen(event));
 }
 
-static void say_end(const hc_job *job, const hc_job_load *load) {
+static void say_end(const hc_job *job) {
   const hc_simulation *simulation = &job->simulation;
   if (job->comm->rank != 0 || job->options->quiet) return;
   const char *why = hc_simulation_done(simulation) ? "done"
                     : !job->stopped                ? "stopped by --steps"
-                    : load->signal                 ? hc_stop_signal_name(load->signal)
+                    : job->load.signal             ? hc_stop_signal_name((int)job->load.signal)
                                                    : "--walltime";
   printf("%s%s after %lld steps at %g s; files in %s%s\n", job->stopped ? "stopped by " : "", why,
          (long long)simulation->step, simulation->time, job->directory,
@@ -297,7 +323,13 @@ static void say_end(const hc_job *job, const hc_job_load *load) {
 static hc_status run_steps(hc_job *job, hc_error *error) {
   hc_simulation *simulation = &job->simulation;
   job->started = job->last_checkpoint = hc_seconds();
-  done done = {.load = measure_load(job, job->comm->bytes_sent)};
+  job->bytes_before = job->comm->bytes_sent;
+  simulation->company = (hc_company){note_step, job};
+  hc_tally start = {.count = 0};
+  note_load(job, &start);
+  hc_tally_reduce(job->comm, &start);
+  judge_load(job);
+  done done = {.taken_back = false};
   bool last = hc_job_is_over(job);
   int owed = hc_control_may_go_back(&simulation->control) ? 2 : 1;
   while (!last) {
@@ -305,25 +337,25 @@ static hc_status run_steps(hc_job *job, hc_error *error) {
     if (done.taken_back) continue;
     owed -= owed > 0;
     const bool over = hc_job_is_over(job);
-    job->stopped = !over && owed == 0 && (done.load.signal || done.load.out_of_time);
+    job->stopped = !over && owed == 0 && (job->load.signal || job->load.out_of_time);
     last = over || job->stopped;
-    const bool checkpoint = last || checkpoint_due(job, &done.load);
+    const bool checkpoint = last || checkpoint_due(job);
     const double begin = hc_seconds();
     if (over && write_end(job, done.snapshot, done.gauges, error) != HC_OK) return error->status;
     if (checkpoint && hc_job_write_checkpoint(job, error) != HC_OK) return error->status;
     char event[64];
     join_events(simulation, done.snapshot || over, checkpoint, event, sizeof event);
-    hc_job_add_load_row(job, &done.load, done.wall_seconds + (hc_seconds() - begin), event, error);
-    if (hc_comm_agree(job->comm, error) != HC_OK) return error->status;
-    const hc_progress_sample sample = progress_sample(job, &done.load);
+    hc_job_add_load_row(job, done.wall_seconds + (hc_seconds() - begin), event);
+    const hc_progress_sample sample = progress_sample(job);
     hc_progress_step(&job->progress, &sample);
   }
-  const hc_progress_sample sample = progress_sample(job, &done.load);
+  if (agree_on_problem(job, error) != HC_OK) return error->status;
+  const hc_progress_sample sample = progress_sample(job);
   hc_progress_finish(&job->progress, &sample);
   if (job->stopped)
     hc_log_info(&job->log, "stopped by %s; go on with --restart",
-                done.load.signal ? hc_stop_signal_name(done.load.signal) : "--walltime");
-  say_end(job, &done.load);
+                job->load.signal ? hc_stop_signal_name((int)job->load.signal) : "--walltime");
+  say_end(job);
   return HC_OK;
 }
 

@@ -1,5 +1,7 @@
 #include "balance.h"
 
+#include "comm/tally.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -60,8 +62,10 @@ double hc_balance_mean_imbalance(const hc_balance *balance) {
 /* Reduces the work since the last look: the imbalance, and seconds a step that balance would save. */
 static double measure(hc_balance *balance, hc_comm *comm) {
   int64_t largest = (int64_t)(1e9 * balance->work), total = largest;
-  hc_comm_max_i64(comm, &largest, 1);
-  hc_comm_sum_i64(comm, &total, 1);
+  hc_tally tally = {.count = 0};
+  hc_tally_max_i64(&tally, &largest, 1);
+  hc_tally_sum_i64(&tally, &total, 1);
+  hc_tally_reduce(comm, &tally);
   const double mean = (double)total / comm->size;
   balance->imbalance = mean > 0.0 ? (double)largest / mean : 1.0;
   return balance->work_steps > 0 ? 1e-9 * ((double)largest - mean) / (double)balance->work_steps : 0.0;

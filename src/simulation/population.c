@@ -17,11 +17,18 @@ double hc_population_speed(const hc_population *population, double time, double 
   return hc_emitters_speed(&population->emitters, time, ahead);
 }
 
-void hc_population_watch(const hc_population *population, const hc_world *world, hc_fault *fault) {
+void hc_population_watch(hc_population *population, const hc_world *world, double time, hc_fault *fault,
+                         hc_tally *tally) {
   const hc_particles *fluid = world->fluid;
-  for (int32_t k = 0; k < fluid->own && !population->remove; k++)
-    if (!hc_limits_hold(&population->limits, &fluid->position[3 * (size_t)k]))
-      hc_fault_note(fault, HC_FAULT_LEFT, 0.0, fluid->id[k]);
+  population->beyond = 0;
+  for (int32_t k = 0; k < fluid->own; k++) {
+    if (hc_limits_hold(&population->limits, &fluid->position[3 * (size_t)k])) continue;
+    population->beyond++;
+    if (!population->remove) hc_fault_note(fault, HC_FAULT_LEFT, 0.0, fluid->id[k]);
+  }
+  hc_tally_sum_i64(tally, &population->beyond, 1);
+  population->beyond_time = time;
+  population->counted = true;
 }
 
 /* ---- deaths ---- */
@@ -51,18 +58,20 @@ typedef struct leavers {
   size_t count, room;
 } leavers;
 
-static void find_leavers(hc_population *population, hc_world *world, leavers *leavers) {
+static void find_leavers(hc_population *population, hc_world *world, double time, leavers *leavers) {
   const hc_particles *fluid = world->fluid;
   memset(&population->departures, 0, sizeof population->departures);
   if (!population->remove) return;
+  const bool counted = population->counted && population->beyond_time == time;
+  if (counted && population->beyond == 0) return;
   for (int32_t k = 0; k < fluid->own; k++) {
     if (hc_limits_hold(&population->limits, &fluid->position[3 * (size_t)k])) continue;
     hc_reserve((void **)&leavers->indices, &leavers->room, leavers->count + 1, leavers->count,
                sizeof *leavers->indices);
     leavers->indices[leavers->count++] = k;
   }
-  population->departures.count = (int64_t)leavers->count;
-  hc_comm_sum_i64(world->comm, &population->departures.count, 1);
+  population->departures.count = counted ? population->beyond : (int64_t)leavers->count;
+  if (!counted) hc_comm_sum_i64(world->comm, &population->departures.count, 1);
 }
 
 static void remove_leavers(hc_population *population, hc_world *world, const leavers *leavers) {
@@ -90,7 +99,7 @@ static int64_t count_blocked(const hc_emitters *emitters) {
 bool hc_population_change(hc_population *population, hc_world *world, double time) {
   hc_emitters *emitters = &population->emitters;
   leavers leavers = {.indices = NULL};
-  find_leavers(population, world, &leavers);
+  find_leavers(population, world, time, &leavers);
   const int64_t blocked = count_blocked(emitters);
   population->emitted = hc_emitters_release(emitters, &world->domain, world->cells, world->fluid, time);
   population->blocked = count_blocked(emitters) - blocked;

@@ -26,6 +26,9 @@ typedef struct hc_departures {
 typedef struct hc_population {
   hc_limits limits; /* of the world */
   bool remove;      /* what leaves is taken out; else it is a fault */
+  int64_t beyond;   /* particles on all ranks that are beyond the limits at beyond_time, */
+  double beyond_time;
+  bool counted; /* if this is set */
   hc_emitters emitters;
   /* as the last step began: */
   hc_departures departures;
@@ -41,12 +44,13 @@ void hc_population_register(hc_population *population, hc_state *state);
 double hc_population_speed(const hc_population *population, double time, double ahead);
 
 /* Lets leave and come in what is due at a time, behind hc_world_place. True, on every rank, if any particle
- * did: then place the world again; lists must not have been built. Collective: one reduction where leaving is
- * looked for, some where a layer is due. */
+ * did: then place the world again; lists must not have been built. Collective: some reductions where a layer
+ * is due, and one where leaving is looked for and has not been counted for this time. */
 bool hc_population_change(hc_population *population, hc_world *world, double time);
 
-/* Behind the step: takes note of own particles beyond the limits as faults, unless they are to be removed.
- * Local. */
-void hc_population_watch(const hc_population *population, const hc_world *world, hc_fault *fault);
+/* Behind the step that leads to `time`: takes note of own particles beyond the limits, as faults, or in the
+ * tally where they are to be removed. Local. */
+void hc_population_watch(hc_population *population, const hc_world *world, double time, hc_fault *fault,
+                         hc_tally *tally);
 
 #endif

@@ -13,6 +13,14 @@
 #include "state/state.h"
 #include "stepping/control.h"
 
+/* What a caller has added up over the ranks with each step, in the one reduction behind its move: `note` is
+ * called on every rank once own particles have moved by dt, cells and lists as they were before; what it
+ * notes is reduced when the step returns. Not called in a step that failed before it moved. */
+typedef struct hc_company {
+  void (*note)(void *caller, double dt, hc_tally *tally); /* local; null: nothing */
+  void *caller;
+} hc_company;
+
 typedef struct hc_simulation {
   const hc_scene *scene; /* the caller's; outlives the simulation */
   hc_comm *comm;
@@ -32,6 +40,7 @@ typedef struct hc_simulation {
   double imbalance;  /* largest over mean number of own fluid particles at the start */
   hc_balance balance;
   hc_rollback rollback; /* of the last call, and what the next may go back to */
+  hc_company company;   /* the caller's */
   hc_state state;       /* all that the next step reads; callers may add what is theirs */
 } hc_simulation;
 

@@ -82,29 +82,25 @@ static void correct(const solve *solve) {
   hc_halo_end(world->halo);
 }
 
-/* Algorithms 3 and 4: predict, then correct and predict until the average error is below the threshold. */
+/* Algorithms 3 and 4: predict, then correct and predict until the average error is below the threshold;
+ * nobody asks for it before the least number of iterations. */
 static solved iterate(const solve *solve, prediction first) {
   hc_world *world = solve->world;
   const double particles = world->fluid_total > 0 ? (double)world->fluid_total : 1.0;
   predict(solve, first);
   correct(solve);
   solved result = {0};
-  for (;;) {
+  for (;; result.iterations++) {
     const hc_error_total total = predict(solve, AGAIN);
-    hc_sum sum = hc_error_sum(&total);
-    hc_comm_sum_exact(world->comm, &sum, 1);
-    result.average = hc_sum_value(&sum) / particles;
-    result.max = total.max;
-    result.broken = !isfinite(result.average);
-    if (result.broken || (result.average <= solve->threshold && result.iterations >= solve->min)) break;
-    if (result.iterations >= solve->max) {
-      result.capped = true;
-      break;
+    if (result.iterations >= solve->min || result.iterations >= solve->max) {
+      result.average = hc_reduce_errors(world->comm, &total, &result.max) / particles;
+      result.broken = !isfinite(result.average);
+      if (result.broken || result.average <= solve->threshold) break;
+      result.capped = result.iterations >= solve->max;
+      if (result.capped) break;
     }
     correct(solve);
-    result.iterations++;
   }
-  hc_comm_max_f64(world->comm, &result.max, 1);
   return result;
 }
 

@@ -103,14 +103,16 @@ static hc_status tell(const hc_fault *fault, double dt, hc_error *error) {
   return HC_OK;
 }
 
-hc_status hc_fault_agree(hc_comm *comm, double dt, hc_fault *fault, hc_error *error) {
-  int64_t kind = fault->kind == HC_FAULT_NONE ? INT64_MAX : (int64_t)fault->kind;
-  hc_comm_min_i64(comm, &kind, 1);
-  if (kind == INT64_MAX) return HC_OK;
-  double value = (int64_t)fault->kind == kind ? fault->value : -1.0;
+hc_status hc_fault_agree(hc_comm *comm, double dt, hc_tally *tally, hc_fault *fault, hc_error *error) {
+  int64_t first = fault->kind == HC_FAULT_NONE ? INT64_MIN : -(int64_t)fault->kind; /* the largest */
+  hc_tally_max_i64(tally, &first, 1);
+  hc_tally_reduce(comm, tally);
+  if (first == INT64_MIN) return HC_OK;
+  const hc_fault_kind kind = (hc_fault_kind)-first;
+  double value = fault->kind == kind ? fault->value : -1.0;
   hc_comm_max_f64(comm, &value, 1);
-  int64_t id = (int64_t)fault->kind == kind && fault->value == value ? (int64_t)fault->id : INT64_MAX;
+  int64_t id = fault->kind == kind && fault->value == value ? (int64_t)fault->id : INT64_MAX;
   hc_comm_min_i64(comm, &id, 1);
-  *fault = (hc_fault){(hc_fault_kind)kind, value, (uint64_t)id};
+  *fault = (hc_fault){kind, value, (uint64_t)id};
   return tell(fault, dt, error);
 }

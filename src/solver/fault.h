@@ -4,6 +4,7 @@
 #ifndef HC_FAULT_H
 #define HC_FAULT_H
 
+#include "comm/tally.h"
 #include "halocline/error.h"
 #include "world/world.h"
 
@@ -40,8 +41,8 @@ void hc_fault_watch_end(const hc_world *world, double dt, hc_fault *fault);
 /* Takes note of the fastest particle, where something is known to be wrong but not where. Local. */
 void hc_fault_watch_fastest(const hc_world *world, hc_fault_kind kind, hc_fault *fault);
 
-/* Makes the first fault of all ranks everybody's. Collective: one reduction where there is none. HC_FAILED
- * with what happened to which particle. */
-hc_status hc_fault_agree(hc_comm *comm, double dt, hc_fault *fault, hc_error *error);
+/* Makes the first fault of all ranks everybody's, and reduces what else is in the tally with it. Collective:
+ * one reduction where there is none. HC_FAILED with what happened to which particle. */
+hc_status hc_fault_agree(hc_comm *comm, double dt, hc_tally *tally, hc_fault *fault, hc_error *error);
 
 #endif

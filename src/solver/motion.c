@@ -1,6 +1,8 @@
 /* What every solver does around its pressure: non-pressure forces and the move. */
 #include "solver.h"
 
+#include "sph/error_rule.h"
+
 #include "base/memory.h"
 
 #include <math.h>
@@ -80,25 +82,37 @@ static void find_accelerations(hc_particles *fluid, double dt) {
     fluid->acceleration[k] = (float)((fluid->velocity[k] - (double)fluid->acceleration[k]) * rate);
 }
 
-/* Looks for what must not move; the same on every rank. */
+double hc_reduce_errors(hc_comm *comm, const hc_error_total *total, double *max) {
+  enum { PARTS = 4 };
+  const int64_t mask = 0xffffffff;
+  int64_t parts[PARTS] = {(int64_t)total->sum & mask, (int64_t)(total->sum >> 32) & mask,
+                          (int64_t)(total->sum >> 64), total->not_finite};
+  *max = (double)total->max;
+  hc_tally tally = {.count = 0};
+  hc_tally_sum_i64(&tally, parts, PARTS);
+  hc_tally_max_f64(&tally, max, 1);
+  hc_tally_reduce(comm, &tally);
+  const hc_error_total all = {.sum = (((__int128)parts[2] * 0x100000000 + parts[1]) * 0x100000000) + parts[0],
+                              .not_finite = parts[3] > 0};
+  const hc_sum sum = hc_error_sum(&all);
+  return hc_sum_value(&sum);
+}
+
+/* Looks for what must not move; the same on every rank. Contacts are added up with it. */
 static hc_status look_before_move(hc_world *world, double dt, bool broken, hc_step_report *report,
                                   hc_error *error) {
   hc_fault_watch_end(world, dt, &report->fault);
   if (broken && report->fault.kind == HC_FAULT_NONE)
     hc_fault_watch_fastest(world, HC_FAULT_ERROR, &report->fault);
-  if (hc_fault_agree(world->comm, dt, &report->fault, error) == HC_OK) return HC_OK;
+  hc_tally tally = {.count = 0};
+  hc_tally_sum_i64(&tally, &report->contacts, 1);
+  if (hc_fault_agree(world->comm, dt, &tally, &report->fault, error) == HC_OK) return HC_OK;
   find_accelerations(world->fluid, dt);
   return error->status;
 }
 
-/* What moving adds up on one rank. */
-typedef struct move_totals {
-  hc_sum energy[2]; /* v^2, gravity . x */
-  double v2_max, a2_max;
-} move_totals;
-
 static void move_all(hc_world *world, const hc_solver_settings *settings, double dt, hc_move_to to,
-                     move_totals *totals) {
+                     hc_moved *moved) {
   hc_particles *fluid = world->fluid;
   const hc_frame *frame = &world->frame;
   const double rate = 1.0 / dt;
@@ -121,10 +135,10 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
       a2 += a * a;
       work += settings->gravity[axis] * hc_frame_to_metres(frame, axis, position[axis]);
     }
-    hc_sum_add(&totals->energy[0], v2);
-    hc_sum_add(&totals->energy[1], work);
-    if (v2 > totals->v2_max) totals->v2_max = v2;
-    if (a2 > totals->a2_max) totals->a2_max = a2;
+    hc_sum_add(&moved->energy[0], v2);
+    hc_sum_add(&moved->energy[1], work);
+    if (v2 > moved->v2_max) moved->v2_max = v2;
+    if (a2 > moved->a2_max) moved->a2_max = a2;
   }
 }
 
@@ -134,18 +148,23 @@ hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt
     report->contacts =
         world->boundary_ops->contact(world->fluid, settings->rest_density, world->contact_limit, dt);
   if (look_before_move(world, dt, broken, report, error) != HC_OK) return error->status;
-  hc_comm_sum_i64(world->comm, &report->contacts, 1);
-  move_totals totals;
-  memset(&totals, 0, sizeof totals);
-  move_all(world, settings, dt, to, &totals);
-
-  hc_comm_sum_exact(world->comm, totals.energy, 2);
-  double maxima[3] = {totals.v2_max, totals.a2_max, report->force_max};
-  hc_comm_max_f64(world->comm, maxima, 3);
-  report->kinetic_energy = 0.5 * world->mass * hc_sum_value(&totals.energy[0]);
-  report->potential_energy = -world->mass * hc_sum_value(&totals.energy[1]);
-  report->v_max = sqrt(maxima[0]);
-  report->a_max = sqrt(maxima[1]);
-  report->force_max = maxima[2];
+  report->moved = (hc_moved){.force_max = report->force_max};
+  move_all(world, settings, dt, to, &report->moved);
   return HC_OK;
+}
+
+void hc_move_note(hc_step_report *report, hc_tally *tally) {
+  hc_tally_sum_exact(tally, report->moved.energy, 2);
+  hc_tally_max_f64(tally, &report->moved.v2_max, 1);
+  hc_tally_max_f64(tally, &report->moved.a2_max, 1);
+  hc_tally_max_f64(tally, &report->moved.force_max, 1);
+}
+
+void hc_move_report(const hc_world *world, hc_step_report *report) {
+  const hc_moved *moved = &report->moved;
+  report->kinetic_energy = 0.5 * world->mass * hc_sum_value(&moved->energy[0]);
+  report->potential_energy = -world->mass * hc_sum_value(&moved->energy[1]);
+  report->v_max = sqrt(moved->v2_max);
+  report->a_max = sqrt(moved->a2_max);
+  report->force_max = moved->force_max;
 }

@@ -160,11 +160,7 @@ static bool iterate(pcisph *step, hc_step_report *report) {
     report->density_iterations++;
     if (report->density_iterations == 1) hc_fault_watch_density(world, &report->fault);
     if (report->density_iterations < settings->density_min) continue;
-    hc_sum sum = hc_error_sum(&total);
-    report->density_error_max = total.max;
-    hc_comm_sum_exact(world->comm, &sum, 1);
-    hc_comm_max_f64(world->comm, &report->density_error_max, 1);
-    report->density_error_avg = hc_sum_value(&sum) / particles;
+    report->density_error_avg = hc_reduce_errors(world->comm, &total, &report->density_error_max) / particles;
     if (!isfinite(report->density_error_avg)) return false;
     if (report->density_error_max <= settings->density_error_max &&
         report->density_error_avg <= settings->density_error_avg)

@@ -32,6 +32,12 @@ typedef struct hc_solver_settings {
   bool negative_pressure;
 } hc_solver_settings;
 
+/* What moving adds up: on one rank, until hc_move_note's tally is reduced. */
+typedef struct hc_moved {
+  hc_sum energy[2];                 /* sums of v^2, gravity . x */
+  double v2_max, a2_max, force_max; /* force_max as in the report */
+} hc_moved;
+
 /* What a step says of itself; the same on every rank. */
 typedef struct hc_step_report {
   int density_iterations, divergence_iterations;
@@ -44,6 +50,7 @@ typedef struct hc_step_report {
   double kinetic_energy, potential_energy; /* J; potential about the scene's origin */
   int64_t contacts;                        /* particles that a wall's contact held */
   hc_fault fault;                          /* why the step failed */
+  hc_moved moved;
 } hc_step_report;
 
 /* Steps of a run in which a pressure solver was at its cap of iterations. */
@@ -61,7 +68,8 @@ typedef struct hc_solver_ops {
   const char *steadier; /* the one to advise where the pressure does not converge */
 
   /* Advances own particles by dt; dt_before is the last step's, 0 at the first. Collective.
-   * Before: hc_world_update. After: positions, velocities, pressures new; cells and lists stale.
+   * Before: hc_world_update. After: positions, velocities, pressures new; cells and lists stale; speeds,
+   * forces and energies are in the report behind hc_move_report.
    * HC_FAILED, agreed, as fault.h says; the fault is in the report then, and velocities, densities, pressures
    * and accelerations are those it was found with, positions those of the step's beginning. */
   hc_status (*step)(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
@@ -102,11 +110,21 @@ double hc_largest_force(const hc_world *world, const hc_solver_settings *setting
 /* Remembers velocities, so that hc_move can tell accelerations. Local. */
 void hc_remember_velocities(hc_world *world);
 
+/* Adds up the errors of all ranks: the sum, NaN if one was not finite, and the largest. Collective: one
+ * reduction. */
+double hc_reduce_errors(hc_comm *comm, const hc_error_total *total, double *max);
+
 /* Wall contacts at velocities, then own particles move: by dt v, or to what place predicts; periodic axes
- * wrapped; velocities, accelerations, energies into the report. `broken`, the same on every rank: the
- * pressure found no end, and the step fails. Collective; HC_FAILED as hc_solver_ops.step says. */
+ * wrapped; velocities, accelerations, energies of own particles into report->moved. `broken`, the same on
+ * every rank: the pressure found no end, and the step fails. Collective; HC_FAILED as hc_solver_ops.step
+ * says. */
 typedef enum hc_move_to { HC_MOVE_BY_VELOCITY, HC_MOVE_TO_PLACE } hc_move_to;
 hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, hc_move_to to, bool broken,
                   hc_step_report *report, hc_error *error);
+
+/* Behind a solver's step: notes what it has moved in a tally; and once that is reduced, speeds, forces and
+ * energies into the report. Local. */
+void hc_move_note(hc_step_report *report, hc_tally *tally);
+void hc_move_report(const hc_world *world, hc_step_report *report);
 
 #endif

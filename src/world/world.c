@@ -227,10 +227,8 @@ static int64_t count_active(const hc_cells *fluid, const hc_cells *walls) {
   return active;
 }
 
-double hc_world_active_boundary(hc_world *world) {
+int64_t hc_world_active_boundary(const hc_world *world) {
   const hc_cells *fluid = &world->stores[HC_STORE_FLUID].cells;
-  int64_t active = count_active(fluid, &world->stores[HC_STORE_BOUNDARY].cells) +
-                   count_active(fluid, &world->stores[HC_STORE_MOVING].cells);
-  hc_comm_sum_i64(world->comm, &active, 1);
-  return world->boundary_total > 0 ? (double)active / (double)world->boundary_total : 0.0;
+  return count_active(fluid, &world->stores[HC_STORE_BOUNDARY].cells) +
+         count_active(fluid, &world->stores[HC_STORE_MOVING].cells);
 }

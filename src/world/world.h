@@ -84,7 +84,7 @@ void hc_world_list(hc_world *world, const hc_selection *selection);
 /* Both, of all particles. Collective. */
 void hc_world_update(hc_world *world);
 
-/* Share of all boundary particles that lie in or next to a cell with fluid. Collective. */
-double hc_world_active_boundary(hc_world *world);
+/* Own boundary particles that lie in or next to a cell with fluid. Local. */
+int64_t hc_world_active_boundary(const hc_world *world);
 
 #endif

@@ -144,17 +144,18 @@ START_TEST(the_worst_particle_is_named) {
   hc_error error = {.status = HC_OK};
   const uint64_t id = 1000 - (uint64_t)comm.rank;
   hc_fault fault = {HC_FAULT_NONE, 0, 0};
-  ck_assert(hc_fault_agree(&comm, 1.0, &fault, &error) == HC_OK && fault.kind == HC_FAULT_NONE);
+  hc_tally tally = {.count = 0};
+  ck_assert(hc_fault_agree(&comm, 1.0, &tally, &fault, &error) == HC_OK && fault.kind == HC_FAULT_NONE);
   hc_fault_note(&fault, HC_FAULT_SPEED, 5.0, id);
   hc_fault_note(&fault, HC_FAULT_SPEED, 4.0, 1);
   hc_fault_note(&fault, HC_FAULT_LEFT, 9.0, 2);
-  ck_assert(hc_fault_agree(&comm, 1.0, &fault, &error) == HC_FAILED);
+  ck_assert(hc_fault_agree(&comm, 1.0, &tally, &fault, &error) == HC_FAILED);
   ck_assert_uint_eq(fault.id, 1001 - (uint64_t)comm.size);
   ck_assert_int_eq(fault.kind, HC_FAULT_SPEED);
   fault = (hc_fault){HC_FAULT_NONE, 0, 0};
   if (comm.rank == comm.size - 1) hc_fault_note(&fault, HC_FAULT_DENSITY, 0.0, 77);
   if (comm.rank == 0) hc_fault_note(&fault, HC_FAULT_SPEED, 1e9, 3);
-  ck_assert(hc_fault_agree(&comm, 1.0, &fault, &error) == HC_FAILED);
+  ck_assert(hc_fault_agree(&comm, 1.0, &tally, &fault, &error) == HC_FAILED);
   ck_assert_uint_eq(fault.id, 77); /* the earlier kind */
 }
 END_TEST

@@ -269,8 +269,9 @@ START_TEST(a_rebalance_is_forced_and_loses_nothing) {
   int64_t walls = simulation.world.boundary->own;
   hc_comm_sum_i64(&comm, &walls, 1);
   ck_assert_int_eq(walls, simulation.world.boundary_total);
-  const double active = hc_world_active_boundary(&simulation.world);
-  ck_assert(active > 0.2 && active < 0.8);
+  int64_t active = hc_world_active_boundary(&simulation.world);
+  hc_comm_sum_i64(&comm, &active, 1);
+  ck_assert(active > simulation.world.boundary_total / 5 && active < simulation.world.boundary_total * 4 / 5);
   hc_simulation_free(&simulation);
 }
 END_TEST

@@ -1,0 +1,86 @@
+#include "tally.h"
+
+#include "base/check.h"
+#include "base/memory.h"
+
+#include <string.h>
+
+static void note(hc_tally *tally, hc_tally_kind kind, void *values, int count) {
+  if (count == 0) return;
+  HC_CHECK(tally->count < HC_TALLY_MOST, "a tally has room for %d entries", HC_TALLY_MOST);
+  tally->entry[tally->count].kind = kind;
+  tally->entry[tally->count].count = count;
+  tally->entry[tally->count++].values = values;
+}
+
+void hc_tally_sum_exact(hc_tally *tally, hc_sum *sums, int count) {
+  note(tally, HC_TALLY_SUM_EXACT, sums, count);
+}
+void hc_tally_sum_i64(hc_tally *tally, int64_t *values, int count) {
+  note(tally, HC_TALLY_SUM_I64, values, count);
+}
+void hc_tally_max_i64(hc_tally *tally, int64_t *values, int count) {
+  note(tally, HC_TALLY_MAX_I64, values, count);
+}
+void hc_tally_max_f64(hc_tally *tally, double *values, int count) {
+  note(tally, HC_TALLY_MAX_F64, values, count);
+}
+
+/* Turns bits of doubles into integers of the same order, and back. */
+static int64_t ordered(int64_t bits) {
+  return bits ^ (int64_t)((uint64_t)(bits >> 63) >> 1);
+}
+
+static int words_of(const hc_tally *tally, int entry) {
+  const int count = tally->entry[entry].count;
+  return tally->entry[entry].kind == HC_TALLY_SUM_EXACT ? count * HC_SUM_WORDS : count;
+}
+
+static bool is_sum(const hc_tally *tally, int entry) {
+  return tally->entry[entry].kind == HC_TALLY_SUM_EXACT || tally->entry[entry].kind == HC_TALLY_SUM_I64;
+}
+
+static void turn(int64_t *words, int count) {
+  for (int k = 0; k < count; k++) words[k] = ordered(words[k]);
+}
+
+/* Copies the values of all sums, or of all maxima, to `words`; returns how many. */
+static int take(const hc_tally *tally, bool sums, int64_t *words) {
+  int taken = 0;
+  for (int entry = 0; entry < tally->count; entry++) {
+    if (is_sum(tally, entry) != sums) continue;
+    void *values = tally->entry[entry].values;
+    if (tally->entry[entry].kind == HC_TALLY_SUM_EXACT)
+      for (int k = 0; k < tally->entry[entry].count; k++) hc_sum_carry((hc_sum *)values + k);
+    const int count = words_of(tally, entry);
+    memcpy(words + taken, values, (size_t)count * sizeof *words);
+    if (tally->entry[entry].kind == HC_TALLY_MAX_F64) turn(words + taken, count);
+    taken += count;
+  }
+  return taken;
+}
+
+/* The way back. */
+static void give(const hc_tally *tally, bool sums, int64_t *words) {
+  for (int entry = 0; entry < tally->count; entry++) {
+    if (is_sum(tally, entry) != sums) continue;
+    const int count = words_of(tally, entry);
+    if (tally->entry[entry].kind == HC_TALLY_MAX_F64) turn(words, count);
+    memcpy(tally->entry[entry].values, words, (size_t)count * sizeof *words);
+    words += count;
+  }
+}
+
+void hc_tally_reduce(hc_comm *comm, hc_tally *tally) {
+  int room = 0;
+  for (int entry = 0; entry < tally->count; entry++) room += words_of(tally, entry);
+  if (room > 0) {
+    int64_t *words = hc_alloc((size_t)room, sizeof *words);
+    const int sums = take(tally, true, words), maxima = take(tally, false, words + sums);
+    hc_comm_sum_max_i64(comm, words, sums, maxima);
+    give(tally, true, words);
+    give(tally, false, words + sums);
+    hc_free(words);
+  }
+  tally->count = 0;
+}
