@@ -1,4 +1,5 @@
 #include "base/check.h"
+#include "base/memory.h"
 #include "base/timer.h"
 #include "calls.h"
 #include "ending.h"
@@ -150,7 +151,7 @@ static void sum_max(void *from, void *to, int *blocks, MPI_Datatype *type) {
 
 void hc_comm_sum_max_i64(hc_comm *comm, int64_t *values, int sums, int maxima) {
   if (comm->size == 1) return;
-  const visit start = enter(comm);
+  const hc_visit start = hc_calls_enter(comm);
   const int words = 1 + sums + maxima;
   int64_t *block = hc_alloc((size_t)words, sizeof *block);
   block[0] = sums;
@@ -165,7 +166,7 @@ void hc_comm_sum_max_i64(hc_comm *comm, int64_t *values, int sums, int maxima) {
   CHECK_MPI(MPI_Op_free(&operation));
   memcpy(values, block + 1, (size_t)(sums + maxima) * sizeof *values);
   hc_free(block);
-  leave(comm, start);
+  hc_calls_leave(comm, start);
   comm->reductions++;
 }
 

@@ -134,19 +134,11 @@ hc_status hc_job_take_back(hc_job *job, hc_error *error) {
   hc_log_info(&job->log,
               "step %lld, t = %g s: shock: %s; v_max %.4g m/s, force_max %.4g m/s2; back %d step%s to step "
               "%lld, t = %g s, restart %lld: time step %.4g s -> %.4g s",
-<<<<<<< HEAD
               (long long)simulation->step + back, guard->shock.time, what, control->v_max, control->force_max,
               back, back == 1 ? "" : "s", (long long)simulation->step, simulation->time,
               (long long)guard->restarts, guard->shock.dt, guard->next);
-  if (job->comm->rank == 0 &&
-=======
-              (long long)simulation->step + rollback->back, guard->shock.time, what, rollback->v_max,
-              rollback->force_max, rollback->back, rollback->back == 1 ? "" : "s",
-              (long long)simulation->step, simulation->time, (long long)guard->restarts, guard->shock.dt,
-              guard->next);
   *error = job->problem;
   if (job->comm->rank == 0 && error->status == HC_OK &&
->>>>>>> 937daa2
       hc_run_dir_cut(job->directory, simulation->step, job->counts.snapshots, error) == HC_OK)
     hc_tables_cut(&job->tables, simulation->step, job->counts.gauge_time, error);
   return hc_comm_agree(job->comm, error);

@@ -11,7 +11,8 @@ static hc_status refuse(hc_simulation *simulation, double dt, hc_verdict why, hc
   hc_simulation_fill_derived(simulation);
   hc_fault_note(fault, HC_FAULT_TIME_STEP, -1.0, INT64_MAX); /* also where no particle is left */
   hc_fault_watch_fastest(world, HC_FAULT_TIME_STEP, fault);
-  hc_fault_agree(world->comm, dt, fault, error);
+  hc_tally tally = {.count = 0};
+  hc_fault_agree(world->comm, dt, &tally, fault, error);
   if (why == HC_VERDICT_GAVE_UP)
     hc_error_set(error, HC_FAILED, "a shock came again in each of %d replays",
                  simulation->control.ops->most_restarts(simulation->control.settings));
@@ -20,38 +21,15 @@ static hc_status refuse(hc_simulation *simulation, double dt, hc_verdict why, hc
 
 /* The step itself: the solver's, behind the watch over its length. */
 static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) {
-  hc_world *world = &simulation->world;
-  hc_fault *fault = &simulation->report.fault;
-<<<<<<< HEAD
   const hc_verdict permitted = hc_control_permit(&simulation->control, simulation->time, dt);
   if (permitted != HC_VERDICT_ACCEPT) return refuse(simulation, dt, permitted, error);
-  if (simulation->solver->step(world, simulation->solver_settings, dt, simulation->dt, &simulation->report,
-                               error) != HC_OK)
-    return error->status;
-  if (simulation->population.remove) return HC_OK;
-  hc_population_watch(&simulation->population, world, fault);
-  return hc_fault_agree(world->comm, dt, fault, error);
-=======
-  const bool gave_up = hc_simulation_may_go_back(simulation) &&
-                       simulation->rollback.guard.restarts > simulation->step_settings.adaptive.most_restarts;
-  if (gave_up || hc_time_step_too_small(&simulation->step_settings, simulation->time, dt)) {
-    hc_simulation_fill_derived(simulation);
-    hc_fault_note(fault, HC_FAULT_TIME_STEP, -1.0, INT64_MAX); /* also where no particle is left */
-    hc_fault_watch_fastest(world, HC_FAULT_TIME_STEP, fault);
-    hc_tally tally = {.count = 0};
-    hc_fault_agree(world->comm, dt, &tally, fault, error);
-    if (gave_up)
-      hc_error_set(error, HC_FAILED, "a shock came again in each of %d replays",
-                   simulation->step_settings.adaptive.most_restarts);
-    return error->status;
-  }
-  return simulation->solver->step(world, &simulation->solver_settings, dt, simulation->dt,
+  return simulation->solver->step(&simulation->world, simulation->solver_settings, dt, simulation->dt,
                                   &simulation->report, error);
 }
 
 /* The time at the end of a step of dt. */
 static double time_behind(const hc_simulation *simulation, double dt) {
-  return simulation->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
+  return simulation->control.bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
 }
 
 /* Behind the move: adds up over the ranks, in one reduction, what all have to say of the step; it fails if
@@ -66,7 +44,6 @@ static hc_status add_up(hc_simulation *simulation, double dt, hc_error *error) {
   hc_fault_agree(simulation->comm, dt, &tally, &report->fault, error);
   hc_move_report(&simulation->world, report);
   return error->status;
->>>>>>> 937daa2
 }
 
 /* Does the test hook want this step taken back? */
@@ -118,23 +95,13 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_world_list(world, NULL);
   advance(simulation, dt, error);
   hc_balance_stop(&simulation->balance, simulation->comm);
-<<<<<<< HEAD
+  if (error->status == HC_OK) add_up(simulation, dt, error);
   hc_shock shock;
   const hc_verdict verdict = judge(simulation, dt, &before, error, &shock);
   if (verdict == HC_VERDICT_TAKE_BACK) {
     *error = (hc_error){.status = HC_OK};
     go_back(simulation, &shock);
     return HC_OK;
-=======
-  if (error->status == HC_OK) add_up(simulation, dt, error);
-  if (hc_simulation_may_go_back(simulation)) {
-    const hc_shock shock = find_shock(simulation, dt, &before, error);
-    if (shock.kind != HC_SHOCK_NONE) {
-      *error = (hc_error){.status = HC_OK};
-      go_back(simulation, &shock);
-      return HC_OK;
-    }
->>>>>>> 937daa2
   }
   if (verdict != HC_VERDICT_ACCEPT) {
     hc_failure_explain(simulation, dt, &before, error);
@@ -142,11 +109,7 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   }
   simulation->dt = dt;
   simulation->step++;
-<<<<<<< HEAD
-  simulation->time = control->bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
-=======
   simulation->time = time_behind(simulation, dt);
->>>>>>> 937daa2
   if (simulation->report.density_capped) simulation->capped_at = simulation->step;
   hc_control_accept(control, simulation->time);
   hc_simulation_pose_walls(simulation);
