@@ -8,8 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PART_LIMIT = 1 << 30 }; /* bytes, under MPI's INT_MAX, whole cache lines */
-
 double hc_comm_busy_seconds(const hc_comm *comm) {
   return hc_work_seconds() - comm->spent_seconds;
 }
@@ -24,9 +22,9 @@ static void duplicate(hc_comm *comm, MPI_Comm given) {
   CHECK_MPI(MPI_Comm_set_errhandler(comm->mpi, MPI_ERRORS_RETURN));
   CHECK_MPI(MPI_Comm_rank(comm->mpi, &comm->rank));
   CHECK_MPI(MPI_Comm_size(comm->mpi, &comm->size));
-  hc_comm_set_part_limit(comm, PART_LIMIT);
   hc_check_set_rank(comm->rank);
   hc_ending_watch();
+  comm->watches = true;
 }
 
 void hc_comm_start(hc_comm *comm, int *argc, char ***argv) {
@@ -65,7 +63,7 @@ hc_status hc_comm_start_on(hc_comm *comm, const int *handle, hc_error *error) {
 }
 
 void hc_comm_finish(hc_comm *comm) {
-  hc_ending_unwatch();
+  if (comm->watches) hc_ending_unwatch();
   CHECK_MPI(MPI_Comm_free(&comm->mpi));
   if (comm->owns_mpi) CHECK_MPI(MPI_Finalize());
 }

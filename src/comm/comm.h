@@ -16,7 +16,8 @@ typedef struct hc_comm {
   MPI_Comm mpi; /* a duplicate of our own; handed on to HDF5, to nobody else */
   int rank, size;
   bool owns_mpi;
-  size_t part_limit;                 /* bytes; larger messages are sent in parts */
+  bool watches;                      /* see ending.h */
+  size_t part_limit;                 /* bytes, larger messages are sent in parts; 0: what MPI can count */
   int sparse_parity;                 /* alternates the tag of successive sparse exchanges */
   double wait_seconds;               /* time spent in this room since the start, for timings.json */
   double spent_seconds;              /* of it what the thread's own clock says, which stands still asleep */
