@@ -5,7 +5,8 @@
     layering.py --self-test [ROOT]  plants offences in a temporary copy and expects each of them to be found
 
 A room (a folder of src/) may include what its row names, and what those may include in turn: never sideways, never
-upward. MPI is called only in comm/, HDF5 only in io/, METIS only in domain/, Assimp only in geometry/. Needs nothing but Python.
+upward. Nor may files include each other in a circle; a header and the source of its name are one file here.
+MPI is called only in comm/, HDF5 only in io/, METIS only in domain/, Assimp only in geometry/. Needs nothing but Python.
 """
 
 import re
@@ -104,19 +105,26 @@ def room_of(path, root):
     return parts[0]
 
 
-def check_include(path, room, target, root, allowed):
-    """Why this #include may not stand here, or None."""
+def find_include(path, target, root):
+    """Quote, name and file of an #include: the file None if it is not ours, all None if it is computed."""
     match = re.match(r"""(["<])([^">]+)[">]""", target)
     if not match:
-        return f"#include {target.strip()}: a computed include cannot be checked"
+        return None, None, None
     quote, name = match.groups()
-    for library, headers, _, owner, _ in LIBRARIES:
-        if headers.fullmatch(Path(name).name) and room != owner:
-            return f"includes {name}, but only {owner}/ may use {library}"
     places = [root / "src" / name, root / "include" / name]
     if quote == '"':
         places.insert(0, path.parent / name)
-    found = next((place for place in places if place.is_file()), None)
+    return quote, name, next((place for place in places if place.is_file()), None)
+
+
+def check_include(path, room, target, root, allowed):
+    """Why this #include may not stand here, or None."""
+    quote, name, found = find_include(path, target, root)
+    if not name:
+        return f"#include {target.strip()}: a computed include cannot be checked"
+    for library, headers, _, owner, _ in LIBRARIES:
+        if headers.fullmatch(Path(name).name) and room != owner:
+            return f"includes {name}, but only {owner}/ may use {library}"
     first = name.split("/")[0]
     other = room_of(found, root) if found else first if first in ROOMS else None
     if other == "include" or (other is None and quote == "<"):
@@ -130,11 +138,41 @@ def check_include(path, room, target, root, allowed):
     return None
 
 
+def find_circles(edges):
+    """A circle of every set of nodes that reach each other, from its first node on and back to it.
+
+    edges: {node: {node it includes: where}}.
+    """
+    def path(start, goal):
+        before, queue = {start: None}, [start]
+        for node in queue:
+            if goal in edges.get(node, ()):
+                way = [goal]
+                while node is not None:
+                    way.append(node)
+                    node = before[node]
+                return way[::-1]
+            for other in sorted(edges.get(node, ())):
+                if other not in before:
+                    before[other] = node
+                    queue.append(other)
+        return None
+
+    circles, done = [], set()
+    for node in sorted(edges):
+        circle = node not in done and path(node, node)
+        if circle:
+            circles.append(circle)
+            done |= {other for other in edges if path(node, other) and path(other, node)}
+    return circles
+
+
 def check(root):
     """All offences, as (file, line, reason)."""
     root = Path(root).resolve()
     allowed = closures()
     offences = []
+    edges = {}
     for path in sorted([*(root / "src").rglob("*"), *(root / "include/halocline").rglob("*")]):
         if not path.is_file() or path.suffix not in SUFFIXES:
             continue
@@ -148,6 +186,12 @@ def check(root):
             reason = check_include(path, room, match.group(2), root, allowed)
             if reason:
                 offences.append((shown, line_of(directives, match.start(1)), reason))
+            found = find_include(path, match.group(2), root)[2]
+            if found and room_of(found, root) in ROOMS and room in ROOMS:
+                other = found.resolve().relative_to(root / "src").with_suffix("").as_posix()
+                node = path.relative_to(root / "src").with_suffix("").as_posix()
+                if other != node:
+                    edges.setdefault(node, {}).setdefault(other, (shown, line_of(directives, match.start(1))))
         code = blank(text, strings=True)
         for library, _, identifiers, owner, exceptions in LIBRARIES:
             if room == owner:
@@ -157,10 +201,13 @@ def check(root):
                 if match.group() not in free:
                     offences.append((shown, line_of(code, match.start()),
                                      f"{match.group()}, but only {owner}/ may use {library}"))
+    for circle in find_circles(edges):
+        offences.append((*edges[circle[0]][circle[1]], f"files include each other: {' -> '.join(circle)}"))
     return offences
 
 
-# What the self-test plants: a file, its text, the line of the offence (None: there is none).
+# What the self-test plants: a file, its text, the line of the offence (None: there is none); x.h and y.h are there,
+# empty, in every room, and may have texts too.
 PLANTS = [
     ("src/sph/x.c", '#include "space/x.h"\n#include "base/x.h"\n#include "sph/y.h"\n#include "y.h"\n', None),
     ("src/sph/x.c", '\n#include "comm/x.h"\n', 2),
@@ -212,6 +259,12 @@ PLANTS = [
     ("include/halocline/x.h", "#include <mpi.h>\n", 1),
     ("include/examples/x.c", "#include <mpi.h>\nMPI_Fint f;\n", None),
     ("include/halocline/x.h", '#include "halocline/y.h"\n#include <stdint.h>\n', None),
+    ("src/sph/x.c", '#include "x.h"\n#include "y.h"\n', None),
+    ("src/sph/x.c", '#include "x.h"\n\n#include "sph/y.h"\n', 3, {"src/sph/y.h": '#include "x.h"\n'}),
+    ("src/sph/x.c", '#include "y.h"\n', None, {"src/sph/y.h": '#include "z.h"\n', "src/sph/z.h": ""}),
+    ("src/sph/x.c", '#include "y.h"\n', 1,
+     {"src/sph/y.h": '#include "z.h"\n', "src/sph/z.h": '#include "z.h"\n#include "../sph/x.h"\n'}),
+    ("src/sph/x.c", '/* #include "y.h" */\n', None, {"src/sph/y.h": '#include "x.h"\n'}),
 ]
 
 
@@ -220,7 +273,7 @@ def self_test(root):
     root = Path(root).resolve()
     wrong = 0
     with tempfile.TemporaryDirectory() as temporary:
-        for number, (name, text, line) in enumerate(PLANTS):
+        for number, (name, text, line, *more) in enumerate(PLANTS):
             copy = Path(temporary) / str(number)
             for folder in ("src", "include"):
                 shutil.copytree(root / folder, copy / folder)
@@ -232,7 +285,8 @@ def self_test(root):
             for header in ("x.h", "y.h"):
                 (copy / "include/halocline" / header).write_text("")
             (copy / name).parent.mkdir(exist_ok=True)
-            (copy / name).write_text(text)
+            for file, content in {name: text, **(more[0] if more else {})}.items():
+                (copy / file).write_text(content)
             found = {(str(file), at) for file, at, _ in set(check(copy)) - before}
             expected = set() if line is None else {(name, line)}
             if found != expected:

@@ -3,7 +3,7 @@
 #ifndef HC_CALLS_H
 #define HC_CALLS_H
 
-#include "comm.h"
+#include "communicator.h"
 
 /* Ends the program unless the call went well. */
 void hc_calls_check(int code, const char *call, const char *file, int line);

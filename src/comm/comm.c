@@ -1,3 +1,4 @@
+#include "comm.h"
 #include "base/check.h"
 #include "base/memory.h"
 #include "base/timer.h"

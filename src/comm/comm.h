@@ -5,28 +5,8 @@
 #define HC_COMM_H
 
 #include "base/exact_sum.h"
+#include "communicator.h"
 #include "halocline/error.h"
-
-#include <mpi.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-typedef struct hc_comm {
-  MPI_Comm mpi; /* a duplicate of our own; handed on to HDF5, to nobody else */
-  int rank, size;
-  bool owns_mpi;
-  bool watches;                      /* see ending.h */
-  size_t part_limit;                 /* bytes, larger messages are sent in parts; 0: what MPI can count */
-  int sparse_parity;                 /* alternates the tag of successive sparse exchanges */
-  double wait_seconds;               /* time spent in this room since the start, for timings.json */
-  double spent_seconds;              /* of it what the thread's own clock says, which stands still asleep */
-  int64_t bytes_sent, messages_sent; /* point to point, those of sparse exchanges included */
-  int64_t sparse_exchanges;          /* each with a barrier of all ranks */
-  int64_t reductions;                /* to all ranks */
-  int64_t other_collectives;         /* broadcasts, gathers, prefix sums, barriers */
-  int64_t gathered_bytes;            /* that gathers brought here, from all ranks */
-} hc_comm;
 
 /* Starts MPI if nobody has, and duplicates the world. hc_comm_finish frees it, and ends MPI if we started it.
  */
@@ -82,13 +62,6 @@ void hc_comm_gather(hc_comm *comm, const void *mine, size_t bytes, int root, voi
 
 /* `count` values of every rank on every rank, in rank order; all has size * count elements. */
 void hc_comm_gather_all_f64(hc_comm *comm, const double *mine, int count, double *all);
-
-/* A message of a sparse exchange. `data` of received ones is freed by hc_messages_free. */
-typedef struct hc_message {
-  int rank;
-  size_t bytes;
-  void *data;
-} hc_message;
 
 /* Sends each of `out` to its rank and receives whatever was sent here, from ranks that nobody announced
  * (Hoefler, Siebert, Lumsdaine 2010, "Scalable communication protocols for dynamic sparse data exchange",

@@ -2,6 +2,7 @@
 
 #include "base/check.h"
 #include "calls.h"
+#include "halocline/error.h"
 
 #include <signal.h>
 #include <stdlib.h>

@@ -2,6 +2,7 @@
 #include "base/check.h"
 #include "base/memory.h"
 #include "calls.h"
+#include "comm.h"
 
 #include <stdlib.h>
 #include <string.h>

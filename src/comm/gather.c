@@ -2,6 +2,7 @@
  */
 #include "base/memory.h"
 #include "calls.h"
+#include "comm.h"
 
 #include <string.h>
 
