@@ -89,6 +89,10 @@ static inline bool hc_field_is_state(const hc_field_info *info) {
 
 enum { HC_SPARE = 16 };
 
+/* What set-up gives a rank at most of a kind, and lists reach, ghosts included: their entries are 32 bits and
+ * count bytes of records. */
+#define HC_RECORDS_MOST ((int64_t)UINT32_MAX / (int64_t)sizeof(hc_record) - 64)
+
 typedef struct hc_particles {
   unsigned kind;     /* which fields there are: HC_FLUID, HC_BOUNDARY, or HC_BOUNDARY | HC_MOVED */
   unsigned features; /* HC_FOR_*, of the run */

@@ -5,8 +5,6 @@
 #include "setup/flow.h"
 #include "setup/union.h"
 
-static const int64_t max_own = ((int64_t)1 << 31) - 64; /* local indices are int32_t, with room for padding */
-
 static hc_status plan_sources(hc_comm *comm, const hc_scene *scene, hc_setup_plan *plan, hc_error *error) {
   for (int number = 0; number < scene->fluid.block_count; number++) {
     hc_setup_source *const source = &plan->fluid[plan->fluid_sources++];
@@ -155,12 +153,13 @@ hc_status hc_setup_check_share(const hc_setup_plan *plan, int rank, int size, hc
   const int64_t fluid_own = own_of(plan, plan->fluid, plan->fluid_sources, false, rank, size);
   const int64_t boundary_own = own_of(plan, plan->boundary, plan->boundary_sources, false, rank, size) +
                                own_of(plan, plan->boundary, plan->boundary_sources, true, rank, size);
-  if (fluid_own > max_own || boundary_own > max_own)
+  if (fluid_own > HC_RECORDS_MOST || boundary_own > HC_RECORDS_MOST)
     return hc_error_set(error, HC_BAD_INPUT,
                         "a rank can hold at most %lld particles of a kind; rank %d of %d would get %lld of "
                         "the fluid and %lld of the "
                         "boundary: use more ranks or a larger particle_spacing",
-                        (long long)max_own, rank, size, (long long)fluid_own, (long long)boundary_own);
+                        (long long)HC_RECORDS_MOST, rank, size, (long long)fluid_own,
+                        (long long)boundary_own);
   return HC_OK;
 }
 

@@ -34,18 +34,17 @@ void hc_setup_plan_free(hc_setup_plan *plan);
 /* The range [first, last) of `count` things that falls to a rank. */
 void hc_setup_share(int64_t count, int rank, int size, int64_t *first, int64_t *last);
 
-/* Whether a rank can hold its share of the plan: HC_BAD_INPUT for more than 2^31 - 64 particles of a kind.
- * Local. */
+/* Whether a rank can hold its share of the plan: HC_BAD_INPUT for more than HC_RECORDS_MOST particles of a
+ * kind. Local. */
 hc_status hc_setup_check_share(const hc_setup_plan *plan, int rank, int size, hc_error *error);
 
 /* Replaces what the three stores hold (fluid, walls that stand still, walls that move) by the rank's share of
  * the plan: position (wrapped into the periods; fluid shifted off its lattice as the scene asks), id (kind,
  * source, index of the sample), velocity, and of walls the normals, of moving ones the reference, which is
  * the position but not wrapped; all other state is 0. Together the shares of all ranks are the same particles
- * for any number of ranks. Errors (HC_BAD_INPUT): more than 2^31 - 64 particles of a kind on this rank; the
- * stores are then unchanged. `rank` and `size`
- * are those of the plan's communicator; a plan of one process can make the share of any. Local: agree on the
- * status afterwards. */
+ * for any number of ranks. Errors (HC_BAD_INPUT): more than HC_RECORDS_MOST particles of a kind on this rank;
+ * the stores are then unchanged. `rank` and `size` are those of the plan's communicator; a plan of one
+ * process can make the share of any. Local: agree on the status afterwards. */
 hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_particles *fluid,
                             hc_particles *boundary, hc_particles *moving, hc_error *error);
 

@@ -7,12 +7,13 @@
 #include <math.h>
 
 enum {
-  SORT = 20, /* slot and order of cells, and the permutation's scratch */
+  SORT = 12, /* the sort's work space, which forces use too */
   ROW = 6,   /* start and count of a list's row */
   ENTRIES =
-      20,     /* bytes of a row's entries, times the cube of the support radius in spacings: fluid at rest */
-  CELLS = 15, /* bytes of a brick's tables for a particle, where eight fill a cell */
-  EXCHANGE = 48 /* a ghost's share of cells and messages, its owner's included */
+      17,    /* bytes of a row's entries, times the cube of the support radius in spacings: fluid at rest */
+  CELLS = 4, /* bytes of a brick's tables for a particle of fluid, where eight fill a cell, */
+  WALL_CELLS = 30, /* and of a wall, which fills few cells of a brick */
+  EXCHANGE = 48    /* a ghost's share of cells and messages, its owner's included */
 };
 
 /* Arrays grow by a sixteenth beyond what is asked; half of that is touched. */
@@ -41,8 +42,9 @@ double hc_footprint_fluid(const hc_scene *scene) {
 }
 
 double hc_footprint_wall(const hc_scene *scene) {
-  return SLACK * ((double)hc_particles_bytes(wall_kind(scene), hc_settings_features(scene)) + SORT +
-                  2 * CELLS + ROW + 0.5 * entries(scene)); /* the wetted, or the volumes of the start */
+  const bool wetted = hc_settings_boundary(scene)->walls == HC_WALLS_PRESSURE;
+  return SLACK * ((double)hc_particles_bytes(wall_kind(scene), hc_settings_features(scene)) + WALL_CELLS +
+                  (any_moves(scene) ? SORT : 0) + (wetted ? ROW + 0.5 * entries(scene) : 0.0));
 }
 
 double hc_footprint_ghost(const hc_scene *scene) {

@@ -82,8 +82,8 @@ static void correct(const solve *solve) {
   hc_halo_end(world->halo);
 }
 
-/* Algorithms 3 and 4: predict, then correct and predict until the average error is below the threshold;
- * nobody asks for it before the least number of iterations. */
+/* Algorithms 3 and 4: predict, then correct and predict until the average error is below the threshold. The
+ * total is asked for below the least number of iterations too: what is no number must not spread unseen. */
 static solved iterate(const solve *solve, prediction first) {
   hc_world *world = solve->world;
   const double particles = world->fluid_total > 0 ? (double)world->fluid_total : 1.0;
@@ -92,13 +92,11 @@ static solved iterate(const solve *solve, prediction first) {
   solved result = {0};
   for (;; result.iterations++) {
     const hc_error_total total = predict(solve, AGAIN);
-    if (result.iterations >= solve->min || result.iterations >= solve->max) {
-      result.average = hc_reduce_errors(world->comm, &total, &result.max) / particles;
-      result.broken = !isfinite(result.average);
-      if (result.broken || result.average <= solve->threshold) break;
-      result.capped = result.iterations >= solve->max;
-      if (result.capped) break;
-    }
+    result.average = hc_reduce_errors(world->comm, &total, &result.max) / particles;
+    result.broken = !isfinite(result.average);
+    if (result.broken || (result.average <= solve->threshold && result.iterations >= solve->min)) break;
+    result.capped = result.iterations >= solve->max;
+    if (result.capped) break;
     correct(solve);
   }
   return result;

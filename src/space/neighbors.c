@@ -230,8 +230,8 @@ void hc_neighbors_build(hc_neighbors *list, hc_neighbor_search *search, const hc
     records += (int64_t)sources[s].particles->own + sources[s].particles->ghosts;
   HC_CHECK(source_count == 1 || (source_count == 2 && sources[1].particles->head == sources[0].particles),
            "a list leads to one store, or to two that are joined");
-  HC_CHECK(records < (int64_t)UINT32_MAX / (int64_t)sizeof(hc_record),
-           "too many particles on one rank: %lld with ghosts", (long long)records);
+  HC_CHECK(records <= HC_RECORDS_MOST, "too many particles on one rank: %lld with ghosts",
+           (long long)records);
   make_list_room(list, selection, same);
   find_adjacent(search, target_cells, sources, source_count);
   window window = {.search = search,
