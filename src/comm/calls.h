@@ -11,7 +11,14 @@ void hc_calls_check(int code, const char *call, const char *file, int line);
 
 /* The tags of this room. Two of each for sparse exchanges, which take turns; TAG_EXCHANGE is the first of
  * those that callers of exchanges choose. */
-enum { TAG_SPARSE = 1, TAG_SPARSE_REST = 3, TAG_GATHER = 5, TAG_EXCHANGE = 16 };
+enum {
+  TAG_SPARSE = 1,
+  TAG_SPARSE_REST = 3,
+  TAG_GATHER = 5,
+  TAG_AMONG = 6,
+  TAG_AMONG_REST = 7,
+  TAG_EXCHANGE = 16
+};
 
 /* A stay in this room, on the wall clock and on the thread's. */
 typedef struct hc_visit {

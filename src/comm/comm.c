@@ -135,40 +135,6 @@ void hc_comm_sum_i64(hc_comm *comm, int64_t *values, int count) {
   reduce(comm, values, count, MPI_INT64_T, MPI_SUM);
 }
 
-/* Combines blocks of a type of their own, which MPI does not split: the number of sums, the sums, maxima. */
-static void sum_max(void *from, void *to, int *blocks, MPI_Datatype *type) {
-  int bytes = 0;
-  CHECK_MPI(MPI_Type_size(*type, &bytes));
-  const int64_t *a = from, words = bytes / (int64_t)sizeof *a;
-  int64_t *b = to;
-  for (int block = 0; block < *blocks; block++, a += words, b += words) {
-    const int64_t sums = b[0];
-    for (int64_t k = 1; k <= sums; k++) b[k] = (int64_t)((uint64_t)a[k] + (uint64_t)b[k]);
-    for (int64_t k = 1 + sums; k < words; k++) b[k] = a[k] > b[k] ? a[k] : b[k];
-  }
-}
-
-void hc_comm_sum_max_i64(hc_comm *comm, int64_t *values, int sums, int maxima) {
-  if (comm->size == 1) return;
-  const hc_visit start = hc_calls_enter(comm);
-  const int words = 1 + sums + maxima;
-  int64_t *block = hc_alloc((size_t)words, sizeof *block);
-  block[0] = sums;
-  memcpy(block + 1, values, (size_t)(sums + maxima) * sizeof *values);
-  MPI_Datatype type;
-  MPI_Op operation;
-  CHECK_MPI(MPI_Op_create(sum_max, true, &operation));
-  CHECK_MPI(MPI_Type_contiguous(words, MPI_INT64_T, &type));
-  CHECK_MPI(MPI_Type_commit(&type));
-  CHECK_MPI(MPI_Allreduce(MPI_IN_PLACE, block, 1, type, operation, comm->mpi));
-  CHECK_MPI(MPI_Type_free(&type));
-  CHECK_MPI(MPI_Op_free(&operation));
-  memcpy(values, block + 1, (size_t)(sums + maxima) * sizeof *values);
-  hc_free(block);
-  hc_calls_leave(comm, start);
-  comm->reductions++;
-}
-
 void hc_comm_sum_exact(hc_comm *comm, hc_sum *sums, int count) {
   HC_CHECK(count <= HC_COMM_MAX_SUMS, "at most %d exact sums at a time, got %d", HC_COMM_MAX_SUMS, count);
   for (int k = 0; k < count; k++) hc_sum_carry(&sums[k]);

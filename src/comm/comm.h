@@ -44,9 +44,6 @@ void hc_comm_max_i64(hc_comm *comm, int64_t *values, int count);
 void hc_comm_min_i64(hc_comm *comm, int64_t *values, int count);
 void hc_comm_sum_i64(hc_comm *comm, int64_t *values, int count);
 
-/* Sums and behind them maxima, in one reduction; see tally.h. */
-void hc_comm_sum_max_i64(hc_comm *comm, int64_t *values, int sums, int maxima);
-
 /* Adds exact sums of all ranks; carries the caller left open are taken care of. At most 8 sums. */
 enum { HC_COMM_MAX_SUMS = 8 };
 void hc_comm_sum_exact(hc_comm *comm, hc_sum *sums, int count);
@@ -69,6 +66,12 @@ void hc_comm_gather_all_f64(hc_comm *comm, const double *mine, int count, double
  * each. */
 void hc_comm_sparse(hc_comm *comm, const hc_message *out, int out_count, hc_message **in, int *in_count);
 void hc_messages_free(hc_message *messages, int count);
+
+/* The same among partners, `ranks` without this one, ascending, each in the list of each other: without a
+ * barrier, an empty message to those that get none. `out` is ascending, none of it empty, and all must go to
+ * partners or to oneself. Collective among partners. */
+void hc_comm_among(hc_comm *comm, const int32_t *ranks, int count, const hc_message *out, int out_count,
+                   hc_message **in, int *in_count);
 
 /* A repeated exchange with known partners, which know the sizes. Local to begin (never waits), completes at
  * end on both sides. Segments to or from oneself are copied at begin. Between the two neither side's buffers

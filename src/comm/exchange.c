@@ -32,35 +32,45 @@ static void receive_rest(hc_comm *comm, int tag, hc_message *message) {
   hc_calls_receive(comm, whole, message->bytes, first_part, message->rank, tag);
 }
 
-/* Takes one waiting message off the line, if there is any. */
-static bool receive_one(hc_comm *comm, int parity, hc_message *message) {
-  const int tag = TAG_SPARSE + parity;
-  int waiting = 0;
-  MPI_Status status;
-  CHECK_MPI(MPI_Iprobe(MPI_ANY_SOURCE, tag, comm->mpi, &waiting, &status));
-  if (!waiting) return false;
+/* The tags of an exchange whose receivers do not know sizes: of first parts, and of the rest. */
+typedef struct line {
+  int tag, rest;
+} line;
+
+/* Takes a message that waits. */
+static hc_message receive(hc_comm *comm, line line, const MPI_Status *status) {
   int bytes = 0;
-  CHECK_MPI(MPI_Get_count(&status, MPI_BYTE, &bytes));
-  *message = (hc_message){status.MPI_SOURCE, (size_t)bytes, hc_alloc((size_t)bytes, 1)};
-  CHECK_MPI(MPI_Recv(message->data, bytes, MPI_BYTE, message->rank, tag, comm->mpi, MPI_STATUS_IGNORE));
-  if (has_rest(comm, message->bytes)) receive_rest(comm, TAG_SPARSE_REST + parity, message);
-  return true;
+  CHECK_MPI(MPI_Get_count(status, MPI_BYTE, &bytes));
+  hc_message message = {status->MPI_SOURCE, (size_t)bytes, hc_alloc((size_t)bytes, 1)};
+  CHECK_MPI(MPI_Recv(message.data, bytes, MPI_BYTE, message.rank, line.tag, comm->mpi, MPI_STATUS_IGNORE));
+  if (has_rest(comm, message.bytes)) receive_rest(comm, line.rest, &message);
+  return message;
 }
 
-/* Posts a message: its first part is received before its request is done. Returns the number of requests. */
-static size_t send_one(hc_comm *comm, int parity, const hc_message *message, MPI_Request *requests) {
-  const int first_part = hc_calls_part(comm, message->bytes, 0), tag = TAG_SPARSE_REST + parity;
-  CHECK_MPI(MPI_Issend(message->data, first_part, MPI_BYTE, message->rank, TAG_SPARSE + parity, comm->mpi,
-                       requests));
+/* Posts a message; `synchronous`: its first part is received before its request is done. Returns the number
+ * of requests. */
+static size_t send_one(hc_comm *comm, line line, bool synchronous, const hc_message *message,
+                       MPI_Request *requests) {
+  const int first_part = hc_calls_part(comm, message->bytes, 0);
+  if (synchronous)
+    CHECK_MPI(MPI_Issend(message->data, first_part, MPI_BYTE, message->rank, line.tag, comm->mpi, requests));
+  else
+    CHECK_MPI(MPI_Isend(message->data, first_part, MPI_BYTE, message->rank, line.tag, comm->mpi, requests));
   size_t posted = 1;
   if (has_rest(comm, (size_t)first_part)) {
     const hc_message size = {message->rank, sizeof message->bytes, (void *)&message->bytes};
-    posted += hc_calls_post_sends(comm, &size, 0, tag, requests + posted);
-    posted += hc_calls_post_sends(comm, message, (size_t)first_part, tag, requests + posted);
+    posted += hc_calls_post_sends(comm, &size, 0, line.rest, requests + posted);
+    posted += hc_calls_post_sends(comm, message, (size_t)first_part, line.rest, requests + posted);
   }
   comm->bytes_sent += (int64_t)message->bytes;
   comm->messages_sent++;
   return posted;
+}
+
+static hc_message copy_of(const hc_message *message) {
+  hc_message copy = {message->rank, message->bytes, hc_alloc(message->bytes, 1)};
+  memcpy(copy.data, message->data, copy.bytes);
+  return copy;
 }
 
 /* Requests that a message may take: its parts, and those of its size. */
@@ -78,7 +88,7 @@ void hc_comm_sparse(hc_comm *comm, const hc_message *out, int out_count, hc_mess
   size_t capacity = 0;
   hc_reserve((void **)in, &capacity, 1, 0, sizeof **in);
   /* A fast rank may be one exchange ahead of a slow one, never two: two sets of tags keep them apart. */
-  const int parity = comm->sparse_parity;
+  const line line = {TAG_SPARSE + comm->sparse_parity, TAG_SPARSE_REST + comm->sparse_parity};
   comm->sparse_parity ^= 1;
 
   size_t room = 0, sends = 0;
@@ -86,19 +96,19 @@ void hc_comm_sparse(hc_comm *comm, const hc_message *out, int out_count, hc_mess
   MPI_Request *requests = hc_alloc(room, sizeof *requests);
   for (int k = 0; k < out_count; k++) {
     if (out[k].rank == comm->rank) {
-      hc_message own = {comm->rank, out[k].bytes, hc_alloc(out[k].bytes, 1)};
-      memcpy(own.data, out[k].data, own.bytes);
-      append(in, in_count, &capacity, own);
+      append(in, in_count, &capacity, copy_of(&out[k]));
       continue;
     }
-    sends += send_one(comm, parity, &out[k], requests + sends);
+    sends += send_one(comm, line, true, &out[k], requests + sends);
   }
   if (comm->size > 1) {
     comm->sparse_exchanges++;
     MPI_Request barrier = MPI_REQUEST_NULL;
     for (int finished = 0; !finished;) {
-      hc_message message;
-      if (receive_one(comm, parity, &message)) append(in, in_count, &capacity, message);
+      int waiting = 0;
+      MPI_Status status;
+      CHECK_MPI(MPI_Iprobe(MPI_ANY_SOURCE, line.tag, comm->mpi, &waiting, &status));
+      if (waiting) append(in, in_count, &capacity, receive(comm, line, &status));
       if (barrier == MPI_REQUEST_NULL) {
         int all_taken = 0; /* a synchronous send completes when its receiver took it */
         CHECK_MPI(MPI_Testall((int)sends, requests, &all_taken, MPI_STATUSES_IGNORE));
@@ -108,6 +118,51 @@ void hc_comm_sparse(hc_comm *comm, const hc_message *out, int out_count, hc_mess
       }
     }
   }
+  hc_free(requests);
+  qsort(*in, (size_t)*in_count, sizeof **in, by_rank);
+  hc_calls_leave(comm, start);
+}
+
+/* Sends each partner its message, or an empty one. Returns the number of requests. */
+static size_t send_among(hc_comm *comm, line line, const int32_t *ranks, int count, const hc_message *out,
+                         int out_count, MPI_Request *requests) {
+  size_t sends = 0;
+  int next = 0;
+  for (int k = 0; k < count; k++) {
+    const hc_message none = {ranks[k], 0, NULL};
+    if (next < out_count && out[next].rank == comm->rank) next++;
+    const bool some = next < out_count && out[next].rank == ranks[k];
+    sends += send_one(comm, line, false, some ? &out[next++] : &none, requests + sends);
+  }
+  if (next < out_count && out[next].rank == comm->rank) next++;
+  HC_CHECK(next == out_count, "%d messages go to ranks that are no partners", out_count - next);
+  return sends;
+}
+
+void hc_comm_among(hc_comm *comm, const int32_t *ranks, int count, const hc_message *out, int out_count,
+                   hc_message **in, int *in_count) {
+  const hc_visit start = hc_calls_enter(comm);
+  *in = NULL;
+  *in_count = 0;
+  size_t capacity = 0, room = (size_t)count;
+  hc_reserve((void **)in, &capacity, 1, 0, sizeof **in);
+  const line line = {TAG_AMONG, TAG_AMONG_REST};
+  for (int k = 0; k < out_count; k++) {
+    room += requests_for(comm, &out[k]);
+    if (out[k].rank == comm->rank) append(in, in_count, &capacity, copy_of(&out[k]));
+  }
+  MPI_Request *requests = hc_alloc(room, sizeof *requests);
+  const size_t sends = send_among(comm, line, ranks, count, out, out_count, requests);
+  for (int k = 0; k < count; k++) {
+    MPI_Status status;
+    CHECK_MPI(MPI_Probe(ranks[k], line.tag, comm->mpi, &status));
+    hc_message message = receive(comm, line, &status);
+    if (message.bytes > 0)
+      append(in, in_count, &capacity, message);
+    else
+      hc_free(message.data);
+  }
+  CHECK_MPI(MPI_Waitall((int)sends, requests, MPI_STATUSES_IGNORE));
   hc_free(requests);
   qsort(*in, (size_t)*in_count, sizeof **in, by_rank);
   hc_calls_leave(comm, start);

@@ -2,6 +2,7 @@
 
 #include "base/check.h"
 #include "base/memory.h"
+#include "calls.h"
 
 #include <string.h>
 
@@ -71,16 +72,46 @@ static void give(const hc_tally *tally, bool sums, int64_t *words) {
   }
 }
 
+/* Combines blocks: the number of sums, the sums, the maxima. */
+static void combine(void *from, void *to, int *blocks, MPI_Datatype *type) {
+  int bytes = 0;
+  CHECK_MPI(MPI_Type_size(*type, &bytes));
+  const int64_t *a = from, words = bytes / (int64_t)sizeof *a;
+  int64_t *b = to;
+  for (int block = 0; block < *blocks; block++, a += words, b += words) {
+    const int64_t maxima = 1 + b[0];
+    for (int64_t k = 1; k < maxima; k++) b[k] = (int64_t)((uint64_t)a[k] + (uint64_t)b[k]);
+    for (int64_t k = maxima; k < words; k++) b[k] = a[k] > b[k] ? a[k] : b[k];
+  }
+}
+
+/* A block is of a type of its own, so that MPI does not split it. */
+static void reduce(hc_comm *comm, int64_t *block, int words) {
+  if (comm->size == 1) return;
+  const hc_visit start = hc_calls_enter(comm);
+  MPI_Datatype type;
+  MPI_Op operation;
+  CHECK_MPI(MPI_Type_contiguous(words, MPI_INT64_T, &type));
+  CHECK_MPI(MPI_Type_commit(&type));
+  CHECK_MPI(MPI_Op_create(combine, true, &operation));
+  CHECK_MPI(MPI_Allreduce(MPI_IN_PLACE, block, 1, type, operation, comm->mpi));
+  CHECK_MPI(MPI_Op_free(&operation));
+  CHECK_MPI(MPI_Type_free(&type));
+  comm->reductions++;
+  hc_calls_leave(comm, start);
+}
+
 void hc_tally_reduce(hc_comm *comm, hc_tally *tally) {
   int room = 0;
   for (int entry = 0; entry < tally->count; entry++) room += words_of(tally, entry);
-  if (room > 0) {
-    int64_t *words = hc_alloc((size_t)room, sizeof *words);
-    const int sums = take(tally, true, words), maxima = take(tally, false, words + sums);
-    hc_comm_sum_max_i64(comm, words, sums, maxima);
-    give(tally, true, words);
-    give(tally, false, words + sums);
-    hc_free(words);
-  }
+  if (room == 0) return;
+  int64_t *block = hc_alloc((size_t)room + 1, sizeof *block);
+  const int sums = take(tally, true, block + 1);
+  block[0] = sums;
+  take(tally, false, block + 1 + sums);
+  reduce(comm, block, room + 1);
+  give(tally, true, block + 1);
+  give(tally, false, block + 1 + sums);
+  hc_free(block);
   tally->count = 0;
 }

@@ -12,10 +12,12 @@ void hc_domain_init(hc_domain *domain, hc_comm *comm, const hc_frame *frame) {
   for (int axis = 0; axis < 3; axis++) origin[axis] = hc_frame_cell(frame->origin[axis]);
   *domain = (hc_domain){.comm = comm, .frame = frame};
   hc_map_init(&domain->map, origin);
+  hc_partners_init(&domain->partners);
 }
 
 void hc_domain_free(hc_domain *domain) {
   hc_map_free(&domain->map);
+  hc_partners_free(&domain->partners);
 }
 
 int hc_domain_owner(const hc_domain *domain, const int64_t cell[3]) {
@@ -106,5 +108,44 @@ void hc_domain_balance(hc_domain *domain, hc_divider divider, const hc_work *wor
     divide_by_slabs(domain, own.bits, loads, count, &own);
   hc_free(loads);
   share_map(domain, &own);
+  domain->partners.known = domain->partners.agreed = false;
   if (division) *division = own;
+}
+
+/* ---- partners ---- */
+
+static hc_partners_of partners_of(const hc_domain *domain) {
+  return (hc_partners_of){domain->comm, domain->frame, &domain->map};
+}
+
+void hc_domain_exchange(hc_domain *domain, const hc_particles *particles, const hc_message *out,
+                        int out_count, hc_message **in, int *in_count) {
+  const hc_partners *partners = &domain->partners;
+  if (partners->agreed && partners->particles == particles)
+    hc_comm_among(domain->comm, partners->ranks, partners->count, out, out_count, in, in_count);
+  else
+    hc_comm_sparse(domain->comm, out, out_count, in, in_count);
+}
+
+void hc_domain_settle_partners(hc_domain *domain, const hc_particles *particles) {
+  hc_partners *partners = &domain->partners;
+  partners->agreed = false;
+  if (domain->comm->size == 1 || (partners->known && partners->particles == particles)) return;
+  const hc_partners_of of = partners_of(domain);
+  hc_partners_learn(partners, &of, particles);
+}
+
+bool hc_domain_watch_partners(hc_domain *domain) {
+  const hc_partners_of of = partners_of(domain);
+  return domain->partners.known && !hc_partners_cover(&domain->partners, &of);
+}
+
+void hc_domain_agree_partners(hc_domain *domain, bool outside) {
+  hc_partners *partners = &domain->partners;
+  if (outside) partners->known = false;
+  partners->agreed = partners->known;
+}
+
+void hc_domain_forget_partners(hc_domain *domain) {
+  domain->partners.agreed = false;
 }

@@ -10,6 +10,7 @@
 #include "comm/comm.h"
 #include "loads.h"
 #include "map.h"
+#include "partners.h"
 
 typedef enum hc_divider { HC_DIVIDER_SLABS, HC_DIVIDER_METIS } hc_divider;
 
@@ -17,6 +18,7 @@ typedef struct hc_domain {
   hc_comm *comm;
   const hc_frame *frame;
   hc_map map;
+  hc_partners partners; /* of one store's particles */
 } hc_domain;
 
 /* How a decomposition turned out; the same on every rank. */
@@ -46,5 +48,23 @@ void hc_domain_balance(hc_domain *domain, hc_divider divider, const hc_work *wor
 /* Sends every own particle to the owner of its cell; drops ghosts. The order of own particles is undefined
  * afterwards (sort them). Collective. Returns how many left this rank. */
 int32_t hc_domain_migrate(hc_domain *domain, hc_particles *particles);
+
+/* As hc_comm_sparse, `out` ascending, for particles: among partners where they are known and agreed on.
+ * Collective. */
+void hc_domain_exchange(hc_domain *domain, const hc_particles *particles, const hc_message *out,
+                        int out_count, hc_message **in, int *in_count);
+
+/* The partners of a store's particles, of one store at a time:
+ * - settle, when they are with their owners and have their ghosts: what was agreed is used up; learns
+ * partners if they are not known. Collective: a sparse exchange if it learns.
+ * - watch, when they have moved: has one left what is covered? Local.
+ * - agree, on what all ranks have watched, if nothing else moves them: the next exchanges go among partners.
+ *   Local.
+ * - forget: nothing is agreed, as when particles come, or are moved by others than steps. Local, on all
+ * ranks. */
+void hc_domain_settle_partners(hc_domain *domain, const hc_particles *particles);
+bool hc_domain_watch_partners(hc_domain *domain);
+void hc_domain_agree_partners(hc_domain *domain, bool outside);
+void hc_domain_forget_partners(hc_domain *domain);
 
 #endif

@@ -312,7 +312,7 @@ void hc_halo_build(hc_halo *halo, hc_cells *cells) {
 
   hc_message *in;
   int in_count;
-  hc_comm_sparse(halo->domain->comm, halo->send, halo->send_count, &in, &in_count);
+  hc_domain_exchange(halo->domain, halo->particles, halo->send, halo->send_count, &in, &in_count);
   hc_reserve((void **)&halo->receive, &halo->capacity[2], (size_t)in_count, 0, sizeof *halo->receive);
   hc_reserve((void **)&halo->ghost_begin, &halo->capacity[3], (size_t)in_count + 1, 0,
              sizeof *halo->ghost_begin);

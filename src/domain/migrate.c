@@ -71,7 +71,7 @@ int32_t hc_domain_migrate(hc_domain *domain, hc_particles *particles) {
 
   hc_message *in;
   int in_count;
-  hc_comm_sparse(domain->comm, out, messages, &in, &in_count);
+  hc_domain_exchange(domain, particles, out, messages, &in, &in_count);
   for (int m = 0; m < in_count; m++) {
     const int32_t first = particles->own, arrivals = (int32_t)(in[m].bytes / bytes);
     hc_particles_resize(particles, first + arrivals);

@@ -246,13 +246,20 @@ hc_moment hc_simulation_moment(const hc_simulation *simulation) {
                      .particle_mass = world->mass};
 }
 
+void hc_simulation_disturb(hc_simulation *simulation) {
+  hc_domain_forget_partners(&simulation->world.domain);
+  simulation->population.counted = false;
+}
+
 void hc_simulation_show_resumable(hc_simulation *simulation, hc_state_copy *now) {
-  if (hc_rollback_show_resumable(&simulation->rollback, &simulation->state, now))
-    hc_simulation_pose_walls(simulation);
+  if (!hc_rollback_show_resumable(&simulation->rollback, &simulation->state, now)) return;
+  hc_simulation_disturb(simulation);
+  hc_simulation_pose_walls(simulation);
 }
 
 void hc_simulation_show_now(hc_simulation *simulation, hc_state_copy *now) {
   if (!hc_rollback_show_now(&simulation->state, now)) return;
+  hc_simulation_disturb(simulation);
   hc_simulation_pose_walls(simulation);
   hc_world_update(&simulation->world);
 }

@@ -67,6 +67,10 @@ bool hc_simulation_done(const hc_simulation *simulation);
 /* Puts moving walls where they stand at simulation->time; hc_world_place must follow. Collective. */
 void hc_simulation_pose_walls(hc_simulation *simulation);
 
+/* Fluid particles have been moved, or their state gone back, by others than steps: what the last step found
+ * out of their places does not hold. Local, on all ranks. */
+void hc_simulation_disturb(hc_simulation *simulation);
+
 /* The last report as the choice of the next step sees it: v_max counts all that moves, not only the fluid.
  * Local. */
 hc_step_report hc_simulation_seen_by_control(const hc_simulation *simulation);

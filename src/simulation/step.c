@@ -41,7 +41,10 @@ static hc_status add_up(hc_simulation *simulation, double dt, hc_error *error) {
   hc_population_watch(&simulation->population, &simulation->world, time_behind(simulation, dt),
                       &report->fault, &tally);
   if (simulation->company.note) simulation->company.note(simulation->company.caller, dt, &tally);
+  int64_t outside = hc_domain_watch_partners(&simulation->world.domain);
+  hc_tally_max_i64(&tally, &outside, 1);
   hc_fault_agree(simulation->comm, dt, &tally, &report->fault, error);
+  hc_domain_agree_partners(&simulation->world.domain, outside != 0);
   hc_move_report(&simulation->world, report);
   return error->status;
 }
@@ -72,6 +75,7 @@ static void go_back(hc_simulation *simulation, const hc_shock *shock) {
   memset(&simulation->report, 0, sizeof simulation->report); /* what of it is state comes back */
   const int back = hc_rollback_return(&simulation->rollback, &simulation->state);
   hc_control_take_back(&simulation->control, shock, &failed, back);
+  hc_simulation_disturb(simulation);
   hc_simulation_pose_walls(simulation);
   hc_world_update(&simulation->world);
 }

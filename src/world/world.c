@@ -170,6 +170,7 @@ void hc_world_place(hc_world *world) {
   else if (world->stores[HC_STORE_MOVING].moved)
     place_walls(world, HC_STORE_MOVING);
   place_store(world, &world->stores[HC_STORE_FLUID]);
+  hc_domain_settle_partners(&world->domain, fluid);
   for (int32_t k = 0; k < fluid->own; k++) {
     for (int axis = 0; axis < 3; axis++)
       fluid->motion[k].v[axis] = (float)fluid->velocity[3 * (size_t)k + axis];

@@ -59,7 +59,7 @@ typedef struct told {
 static void plant(hc_simulation *simulation) {
   hc_particles *fluid = simulation->world.fluid;
   const hc_emitter *from = &simulation->population.emitters.emitters[0];
-  simulation->population.counted = false; /* behind the last step nobody saw it */
+  hc_simulation_disturb(simulation); /* behind the last step nobody saw it */
   double x[3];
   hc_emitter_point(from, LAYER / 2, 0.001, x);
   for (int32_t k = 0; k < fluid->own; k++) {

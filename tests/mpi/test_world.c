@@ -291,6 +291,22 @@ START_TEST(a_run_carries_what_it_needs) {
 }
 END_TEST
 
+/* Ranks exchange with those they know: barriers come only with a division, or where water gets to new places.
+ */
+START_TEST(most_steps_need_no_barrier) {
+  enum { STEPS = 20 };
+  const hc_scene scene = tank();
+  hc_simulation simulation;
+  start(&simulation, &scene);
+  do_steps(&simulation, 8); /* a division is behind them */
+  const int64_t before = comm.sparse_exchanges;
+  do_steps(&simulation, STEPS);
+  EXPECT(comm.sparse_exchanges - before <= STEPS / 2);
+  ck_assert_int_eq(fluid_in(&simulation), 12 * 6 * 6);
+  hc_simulation_free(&simulation);
+}
+END_TEST
+
 int main(int argc, char **argv) {
   hc_comm_start(&comm, &argc, &argv);
   TCase *tests = tcase_create("world");
@@ -304,5 +320,6 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, ranks_may_be_empty);
   tcase_add_test(tests, a_place_far_away_has_the_same_bits);
   tcase_add_test(tests, a_rebalance_is_forced_and_loses_nothing);
+  tcase_add_test(tests, most_steps_need_no_barrier);
   return run_mpi_tests("world", tests);
 }
