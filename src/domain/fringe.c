@@ -33,9 +33,9 @@ static void grow_brick(fringe *fringe, int32_t k) {
 }
 
 static void grow(fringe *fringe, const hc_bricks *bricks, const hc_graph *graph, int layers) {
-  for (int32_t k = 0; k < bricks->count; k++)
-    if (bricks->brick[k].fluid > 0 && graph->start[k + 1] - graph->start[k] < HC_GRAPH_FACES)
-      grow_brick(fringe, k);
+  for (idx_t v = 0; v < graph->count; v++)
+    if (bricks->brick[graph->first[v]].fluid > 0 && graph->start[v + 1] - graph->start[v] < HC_GRAPH_FACES)
+      grow_brick(fringe, graph->first[v]);
   int32_t begin = bricks->count;
   for (int layer = 1; layer < layers; layer++) {
     const int32_t end = fringe->set.count;

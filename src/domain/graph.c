@@ -15,6 +15,7 @@ enum { FLUID_GHOST = 16, BOUNDARY_GHOST = 1 };
 typedef struct building {
   const hc_bricks *bricks;
   hc_brick_set set; /* numbered like the bricks */
+  int32_t *vertex;  /* of each brick */
   bool periodic[3];
   hc_brick low, high; /* bricks at the ends of periodic axes */
   double
@@ -37,15 +38,15 @@ static int32_t neighbor_of(const building *building, hc_brick brick, int face) {
   return hc_brick_set_find(&building->set, brick);
 }
 
-/* Writes the row of brick k behind `used` entries; returns where it ends. Two bricks may share two faces, one
- * across a periodic border: one edge. */
-static idx_t write_row(hc_graph *graph, const building *building, int32_t k, idx_t used) {
+/* Adds the faces of brick k to the row of its vertex, which begins at `begin` and has come to `used`; returns
+ * where it ends. Two vertices may share several faces: one edge. */
+static idx_t add_faces(hc_graph *graph, const building *building, int32_t k, idx_t begin, idx_t used) {
   const hc_loaded_brick *brick = &building->bricks->brick[k];
-  const idx_t begin = used;
   for (int face = 0; face < HC_GRAPH_FACES; face++) {
-    const int32_t other = neighbor_of(building, brick->brick, face);
-    if (other < 0 || other == k) continue;
-    const double ghosts = building->layer * (ghosts_of(brick) + ghosts_of(&building->bricks->brick[other]));
+    const int32_t there = neighbor_of(building, brick->brick, face);
+    if (there < 0 || building->vertex[there] == building->vertex[k]) continue;
+    const int32_t other = building->vertex[there];
+    const double ghosts = building->layer * (ghosts_of(brick) + ghosts_of(&building->bricks->brick[there]));
     idx_t entry = begin;
     while (entry < used && graph->adjacent[entry] != other) entry++;
     if (entry == used) {
@@ -55,6 +56,23 @@ static idx_t write_row(hc_graph *graph, const building *building, int32_t k, idx
     graph->edge_weight[entry] += (idx_t)fmax(1.0, ghosts + 0.5);
   }
   return used;
+}
+
+/* Does brick k, which has no fluid, belong to the vertex of the one before? */
+static bool is_merged(const hc_bricks *bricks, int32_t k) {
+  if (k == 0 || bricks->brick[k].fluid > 0 || bricks->brick[k - 1].fluid > 0) return false;
+  const hc_brick *brick = &bricks->brick[k].brick, *before = &bricks->brick[k - 1].brick;
+  for (int axis = 0; axis < 3; axis++)
+    if (brick->x[axis] >> HC_GRAPH_MERGED_BITS != before->x[axis] >> HC_GRAPH_MERGED_BITS) return false;
+  return true;
+}
+
+static void find_vertices(hc_graph *graph, const hc_bricks *bricks, int32_t *vertex) {
+  for (int32_t k = 0; k < bricks->count; k++) {
+    if (!is_merged(bricks, k)) graph->first[graph->count++] = k;
+    vertex[k] = (int32_t)graph->count - 1;
+  }
+  graph->first[graph->count] = bricks->count;
 }
 
 static void find_ends(building *building, const hc_map *map, const hc_frame *frame) {
@@ -70,32 +88,40 @@ static void find_ends(building *building, const hc_map *map, const hc_frame *fra
 
 void hc_graph_init(hc_graph *graph, const hc_bricks *bricks, const hc_map *map, const hc_frame *frame) {
   const size_t count = (size_t)bricks->count;
-  *graph = (hc_graph){.count = bricks->count,
-                      .start = hc_alloc(count + 1, sizeof(idx_t)),
-                      .adjacent = hc_alloc(HC_GRAPH_FACES * count, sizeof(idx_t)),
-                      .edge_weight = hc_alloc(HC_GRAPH_FACES * count, sizeof(idx_t)),
-                      .vertex_weight = hc_alloc(count, sizeof(idx_t))};
-  building building = {.bricks = bricks};
+  building building = {.bricks = bricks, .vertex = hc_alloc(count, sizeof *building.vertex)};
+  *graph = (hc_graph){.first = hc_alloc(count + 1, sizeof *graph->first)};
+  find_vertices(graph, bricks, building.vertex);
+  const size_t vertices = (size_t)graph->count;
+  graph->start = hc_alloc(vertices + 1, sizeof(idx_t));
+  graph->adjacent = hc_alloc(HC_GRAPH_FACES * count, sizeof(idx_t));
+  graph->edge_weight = hc_alloc(HC_GRAPH_FACES * count, sizeof(idx_t));
+  graph->vertex_weight = hc_alloc(vertices, sizeof(idx_t));
   hc_brick_set_init(&building.set);
-  const double scale = fmin(1.0, LARGEST_TOTAL / fmax(1.0, bricks->weight));
   double ghosts = 0.0;
   for (int32_t k = 0; k < bricks->count; k++) {
-    graph->vertex_weight[k] = (idx_t)(scale * bricks->brick[k].weight + 0.5);
     hc_brick_set_add(&building.set, bricks->brick[k].brick);
     ghosts += HC_GRAPH_FACES * ghosts_of(&bricks->brick[k]);
   }
   building.layer = fmin(1.0, LARGEST_TOTAL / fmax(1.0, ghosts)) / (double)(1 << map->bits);
   find_ends(&building, map, frame);
+  const double scale = fmin(1.0, LARGEST_TOTAL / fmax(1.0, bricks->weight));
   idx_t used = 0;
-  for (int32_t k = 0; k < bricks->count; k++) {
-    graph->start[k] = used;
-    used = write_row(graph, &building, k, used);
+  for (idx_t v = 0; v < graph->count; v++) {
+    const idx_t begin = graph->start[v] = used;
+    double weight = 0.0;
+    for (int32_t k = graph->first[v]; k < graph->first[v + 1]; k++) {
+      weight += bricks->brick[k].weight;
+      used = add_faces(graph, &building, k, begin, used);
+    }
+    graph->vertex_weight[v] = (idx_t)(scale * weight + 0.5);
   }
-  graph->start[bricks->count] = used;
+  graph->start[graph->count] = used;
   hc_brick_set_free(&building.set);
+  hc_free(building.vertex);
 }
 
 void hc_graph_free(hc_graph *graph) {
+  hc_free(graph->first);
   hc_free(graph->start);
   hc_free(graph->adjacent);
   hc_free(graph->vertex_weight);
@@ -105,8 +131,9 @@ void hc_graph_free(hc_graph *graph) {
 
 int64_t hc_graph_edge_cut(const hc_graph *graph, const int32_t *part) {
   int64_t cut = 0;
-  for (idx_t k = 0; k < graph->count; k++)
-    for (idx_t entry = graph->start[k]; entry < graph->start[k + 1]; entry++)
-      if (part[k] != part[graph->adjacent[entry]]) cut += graph->edge_weight[entry];
+  for (idx_t v = 0; v < graph->count; v++)
+    for (idx_t entry = graph->start[v]; entry < graph->start[v + 1]; entry++)
+      if (part[graph->first[v]] != part[graph->first[graph->adjacent[entry]]])
+        cut += graph->edge_weight[entry];
   return cut / 2;
 }

@@ -57,33 +57,39 @@ static bool better(int64_t cut, double imbalance, int64_t than_cut, double than_
   return balanced ? cut < than_cut : imbalance < than_imbalance;
 }
 
+/* Gives a vertex's bricks to a part. */
+static void give(const hc_graph *graph, idx_t vertex, int32_t to, int32_t *part) {
+  for (int32_t k = graph->first[vertex]; k < graph->first[vertex + 1]; k++) part[k] = to;
+}
+
 const char *hc_graph_divide(const hc_graph *graph, int parts, int32_t *part) {
   static const struct {
     const char *name;
     metis_call call;
   } ways[] = {{"k-way", METIS_PartGraphKway}, {"recursive", METIS_PartGraphRecursive}};
   if (parts == 1 || graph->count <= parts) { /* nothing to divide, which METIS would not bear */
-    for (idx_t k = 0; k < graph->count; k++) part[k] = parts == 1 ? 0 : (int32_t)k;
+    for (idx_t v = 0; v < graph->count; v++) give(graph, v, parts == 1 ? 0 : (int32_t)v, part);
     return "trivial";
   }
   idx_t *found = hc_alloc((size_t)graph->count, sizeof *found);
+  const size_t bricks = (size_t)graph->first[graph->count];
+  int32_t *candidate = hc_alloc(bricks, sizeof *candidate);
   const char *best = NULL;
   int64_t best_cut = 0;
   double best_imbalance = 0.0;
   for (int way = 0; way < (graph->count <= BOTH_WAYS_UP_TO ? 2 : 1); way++) {
     if (!divide(ways[way].call, graph, parts, found)) continue;
-    int32_t *candidate = hc_alloc((size_t)graph->count, sizeof *candidate);
-    for (idx_t k = 0; k < graph->count; k++) candidate[k] = (int32_t)found[k];
+    for (idx_t v = 0; v < graph->count; v++) give(graph, v, (int32_t)found[v], candidate);
     const int64_t cut = hc_graph_edge_cut(graph, candidate);
     const double imbalance = imbalance_of(graph, parts, found);
     if (!best || better(cut, imbalance, best_cut, best_imbalance)) {
       best = ways[way].name;
       best_cut = cut;
       best_imbalance = imbalance;
-      memcpy(part, candidate, (size_t)graph->count * sizeof *part);
+      memcpy(part, candidate, bricks * sizeof *part);
     }
-    hc_free(candidate);
   }
+  hc_free(candidate);
   hc_free(found);
   return best;
 }

@@ -246,6 +246,71 @@ START_TEST(the_graph_joins_bricks_that_share_a_face) {
 }
 END_TEST
 
+/* The vertex of a brick. */
+static idx_t vertex_of(const hc_graph *graph, int32_t brick) {
+  for (idx_t v = 0; v < graph->count; v++)
+    if (brick >= graph->first[v] && brick < graph->first[v + 1]) return v;
+  return -1;
+}
+
+/* Dry bricks of one cube are one vertex, every wet brick is its own, edges add up the faces between. */
+START_TEST(walls_far_from_water_are_merged) {
+  enum { WET = 3 };
+  for (int periodic = 0; periodic < 2; periodic++) {
+    const int edges[3] = {11, 5, 1};
+    subject s;
+    subject_init(&s, edges, 2, periodic);
+    for (int32_t k = 0; k < s.bricks.count; k++)
+      if (s.bricks.brick[k].brick.x[0] >= WET) s.bricks.brick[k].fluid = 0;
+    hc_graph_free(&s.graph);
+    hc_graph_init(&s.graph, &s.bricks, &s.map, &s.frame);
+    int64_t edge_sum = 0, face_sum = 0, weight = 0;
+    int wet = 0;
+    for (int32_t k = 0; k < s.bricks.count; k++) {
+      const hc_loaded_brick *a = &s.bricks.brick[k];
+      const idx_t v = vertex_of(&s.graph, k);
+      weight += (int64_t)a->weight;
+      if (a->fluid > 0) {
+        wet++;
+        ck_assert_int_eq(s.graph.first[v + 1] - s.graph.first[v], 1);
+      }
+      for (int32_t other = 0; other < s.bricks.count; other++) {
+        const hc_loaded_brick *b = &s.bricks.brick[other];
+        const bool cube = a->brick.x[0] / HC_GRAPH_MERGED == b->brick.x[0] / HC_GRAPH_MERGED &&
+                          a->brick.x[1] / HC_GRAPH_MERGED == b->brick.x[1] / HC_GRAPH_MERGED;
+        if (vertex_of(&s.graph, other) == v) {
+          ck_assert(k == other || (cube && a->fluid == 0 && b->fluid == 0));
+          continue;
+        }
+        ck_assert(!cube || a->fluid > 0 || b->fluid > 0 || a->brick.x[0] / HC_GRAPH_MERGED == 0);
+        for (int face = 0; face < 4; face++) {
+          hc_brick next = a->brick;
+          next.x[face / 2] += face % 2 ? 1 : -1;
+          if (periodic) next.x[face / 2] = (next.x[face / 2] + edges[face / 2]) % edges[face / 2];
+          if (!hc_brick_equal(next, b->brick)) continue;
+          face_sum += (idx_t)(0.5 * (double)(16 * (a->fluid + b->fluid) + a->boundary + b->boundary) + 0.5);
+        }
+      }
+    }
+    ck_assert_int_eq(wet, WET * edges[1]);
+    ck_assert_int_lt(s.graph.count, wet + 12);
+    for (idx_t v = 0; v < s.graph.count; v++) {
+      weight -= s.graph.vertex_weight[v];
+      for (idx_t entry = s.graph.start[v]; entry < s.graph.start[v + 1]; entry++) {
+        ck_assert_int_ne(s.graph.adjacent[entry], v);
+        edge_sum += s.graph.edge_weight[entry];
+      }
+    }
+    ck_assert_int_eq(weight, 0);
+    ck_assert_int_eq(edge_sum, face_sum);
+    ck_assert_ptr_nonnull(hc_graph_divide(&s.graph, 2, s.part));
+    for (int32_t k = 0; k < s.bricks.count; k++)
+      ck_assert_int_eq(s.part[k], s.part[s.graph.first[vertex_of(&s.graph, k)]]);
+    subject_free(&s);
+  }
+}
+END_TEST
+
 /* Every graph up to some size, on any number of parts, also more than there are bricks. */
 START_TEST(any_graph_can_be_divided) {
   for (int size = 0; size <= 40; size += 1 + size / 6)
@@ -369,6 +434,7 @@ int main(void) {
   tcase_add_test(tests, bricks_end_where_their_numbers_do);
   tcase_add_test(tests, bricks_are_as_large_as_balance_allows);
   tcase_add_test(tests, the_graph_joins_bricks_that_share_a_face);
+  tcase_add_test(tests, walls_far_from_water_are_merged);
   tcase_add_test(tests, any_graph_can_be_divided);
   tcase_add_test(tests, divisions_are_balanced_and_cut_little);
   tcase_add_test(tests, parts_are_numbered_so_that_little_moves);
