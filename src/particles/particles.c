@@ -110,45 +110,43 @@ void *hc_particles_scratch(hc_particles *particles, size_t bytes) {
   return particles->scratch;
 }
 
-/* Gathers `bytes` of each particle, `stride` apart, in a new order. */
-static void gather(char *restrict to, const char *restrict from, size_t stride, size_t bytes,
-                   const int32_t *order, int32_t count) {
+/* Permutes elements of `bytes`, by way of room for 16 bytes of each particle, and for 8 more. */
+static void permute(char *restrict data, size_t bytes, const int32_t *restrict order, int32_t count,
+                    char *restrict room, char *restrict more) {
   switch (bytes) {
   case 4:
-    for (int32_t k = 0; k < count; k++) memcpy(to + 4 * (size_t)k, from + stride * (size_t)order[k], 4);
+    for (int32_t k = 0; k < count; k++) memcpy(room + 4 * (size_t)k, data + 4 * (size_t)order[k], 4);
     break;
   case 8:
-    for (int32_t k = 0; k < count; k++) memcpy(to + 8 * (size_t)k, from + stride * (size_t)order[k], 8);
+    for (int32_t k = 0; k < count; k++) memcpy(room + 8 * (size_t)k, data + 8 * (size_t)order[k], 8);
     break;
-  default:
-    for (int32_t k = 0; k < count; k++)
-      memcpy(to + bytes * (size_t)k, from + stride * (size_t)order[k], bytes);
-  }
-}
-
-/* And puts them back. */
-static void scatter(char *restrict to, const char *restrict from, size_t stride, size_t bytes,
-                    int32_t count) {
-  if (stride == bytes) {
-    memcpy(to, from, (size_t)count * bytes);
+  case 12:
+    for (int32_t k = 0; k < count; k++) memcpy(room + 12 * (size_t)k, data + 12 * (size_t)order[k], 12);
+    break;
+  case 24:
+    for (int32_t k = 0; k < count; k++) {
+      memcpy(room + 16 * (size_t)k, data + 24 * (size_t)order[k], 16);
+      memcpy(more + 8 * (size_t)k, data + 24 * (size_t)order[k] + 16, 8);
+    }
+    for (int32_t k = 0; k < count; k++) {
+      memcpy(data + 24 * (size_t)k, room + 16 * (size_t)k, 16);
+      memcpy(data + 24 * (size_t)k + 16, more + 8 * (size_t)k, 8);
+    }
     return;
+  default:
+    HC_CHECK(false, "a carried field has 4, 8, 12 or 24 bytes, got %zu", bytes);
   }
-  for (int32_t k = 0; k < count; k++) memcpy(to + stride * (size_t)k, from + bytes * (size_t)k, bytes);
+  memcpy(data, room, (size_t)count * bytes);
 }
 
 void hc_particles_permute(hc_particles *particles, const int32_t *order, int32_t count) {
-  enum { AT_ONCE = 8 }; /* bytes of a particle: with its place in the order as much scratch as forces need */
-  const size_t behind = (size_t)count * sizeof *order; /* perhaps the order itself stands before */
-  for (int field = 0; field < HC_FIELD_COUNT; field++) {
-    if (!is_carried(particles, field)) continue;
-    const size_t bytes = hc_fields[field].bytes, part = bytes % AT_ONCE ? sizeof(float) : AT_ONCE;
-    char *scratch = (char *)hc_particles_scratch(particles, sizeof *order + AT_ONCE) + behind;
-    for (size_t at = 0; at < bytes; at += part) {
-      char *data = (char *)particles->data[field] + at;
-      gather(scratch, data, bytes, part, order, count);
-      scatter(data, scratch, bytes, part, count);
-    }
-  }
+  /* Records are packed anew after a sort, so they lend their room; the order may stand first in the scratch.
+   */
+  char *more =
+      (char *)hc_particles_scratch(particles, sizeof *order + sizeof(double)) + (size_t)count * sizeof *order;
+  for (int field = 0; field < HC_FIELD_COUNT; field++)
+    if (is_carried(particles, field))
+      permute(particles->data[field], hc_fields[field].bytes, order, count, (char *)particles->place, more);
   particles->own = count;
 }
 
