@@ -15,10 +15,10 @@ static int64_t collide(const hc_collision *collision, hc_selection selection) {
   int64_t held = 0;
   for (int32_t row = selection.begin; row < selection.end; row++) {
     const int32_t i = hc_selected(selection, row);
-    const uint32_t *offset = walls->offset + (size_t)walls->start[row] * HC_LIST_GROUP;
+    const uint32_t *offset = hc_list_row(walls, row);
     bool touched = false;
     collision->contacts[i] = (hc_record){.scalar = 0.0f};
-    for (int k = 0; k < walls->count[row]; k++) {
+    for (int k = 0; k < hc_list_count(walls, row); k++) {
       const size_t b = offset[k] / sizeof(hc_record);
       const hc_record *place = &sweep->fluid->place[i], *sample = &sweep->boundary->place[b];
       double square = 0.0;

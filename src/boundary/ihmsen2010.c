@@ -13,8 +13,8 @@
 static bool crowded(const hc_sweep *sweep, const hc_particles *boundary, const hc_neighbors *list,
                     int32_t b) {
   const double least = 0.8 * (double)(sweep->reach / sweep->support);
-  const uint32_t *offset = list->offset + (size_t)list->start[b] * HC_LIST_GROUP;
-  for (int k = 0; k < list->count[b]; k++) {
+  const uint32_t *offset = hc_list_row(list, b);
+  for (int k = 0; k < hc_list_count(list, b); k++) {
     const hc_record *place = &boundary->place[b], *other = &boundary->place[offset[k] / sizeof(hc_record)];
     double square = 0.0;
     for (int axis = 0; axis < 3; axis++) {

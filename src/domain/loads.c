@@ -78,9 +78,9 @@ static hc_load *load_at(loads *loads, const hc_map *map, int bits, const hc_part
 static double add_fluid(loads *loads, const hc_map *map, int bits, const hc_work *work, int rank) {
   double total = 0.0;
   for (int32_t k = 0; k < work->fluid->own; k++) {
-    const int cost = !work->neighbors
-                         ? HC_COST_FLUID
-                         : HC_COST_PARTICLE + work->neighbors[k] + work->walls[k] / HC_COST_WALL_SHARE;
+    const int cost = !work->neighbors ? HC_COST_FLUID
+                                      : HC_COST_PARTICLE + hc_list_count(work->neighbors, k) +
+                                            hc_list_count(work->walls, k) / HC_COST_WALL_SHARE;
     hc_load *load = load_at(loads, map, bits, work->fluid, k, rank);
     load->weight += (float)cost;
     load->fluid++;

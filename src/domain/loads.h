@@ -4,6 +4,7 @@
 
 #include "comm/comm.h"
 #include "map.h"
+#include "space/neighbors.h"
 
 /* What the particles of a rank cost. A fluid particle costs by its neighbours, HC_COST_PARTICLE for itself
  * and one for each in the fluid, a quarter for each in walls, whose sums a step forms once; a boundary
@@ -12,7 +13,8 @@ enum { HC_COST_PARTICLE = 16, HC_COST_WALL_SHARE = 4, HC_COST_FLUID = 48, HC_COS
 
 typedef struct hc_work {
   const hc_particles *fluid, *boundary, *moving; /* own particles, wherever they are; moving may be null */
-  const uint16_t *neighbors, *walls;             /* of own fluid particles; null: each costs HC_COST_FLUID */
+  const hc_neighbors *neighbors,
+      *walls;  /* lists of all own fluid particles; null: each costs HC_COST_FLUID */
   double busy; /* seconds that they have kept this rank busy lately; 0: nothing was measured (on any rank) */
 } hc_work;
 

@@ -1,18 +1,9 @@
 #include "measures.h"
 
+#include "solver/wall_force.h"
+#include "sph/kernel.h"
+
 #include <math.h>
-#include <string.h>
-
-/* The cubic spline's shape (sph/sweeps.h), 0 for q >= 1. */
-static double shape(double q) {
-  const double outer = fmax(1.0 - q, 0.0), inner = fmax(0.5 - q, 0.0);
-  return 2.0 * outer * outer * outer - 8.0 * inner * inner * inner;
-}
-
-/* (dW/dq)/q of the shape: never positive. */
-static double slope_over_q(double q) {
-  return q <= 0.5 ? -12.0 + 18.0 * q : -6.0 * (1.0 - q) * (1.0 - q) / q;
-}
 
 static double length(const double v[3]) {
   return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -54,7 +45,7 @@ void hc_measure_point_pressure(const hc_gauges *gauges, const hc_scene_gauge *ga
     double offset[3];
     hc_measure_offset(gauges->frame, &fluid->position[3 * (size_t)i], &at, offset);
     if (fabs(offset[0]) >= radius) continue;
-    const double weight = shape(length(offset) / radius);
+    const double weight = hc_kernel_shape(length(offset) / radius);
     if (weight == 0.0) continue;
     hc_sum_add(&sums[0], weight * (double)fluid->pressure[i]);
     hc_sum_add(&sums[1], weight);
@@ -75,7 +66,7 @@ static double patch_weight(const hc_gauges *gauges, const hc_scene_gauge *gauge,
   int sign;
   const int axis = hc_measure_axis(gauge, &sign);
   if (axis >= 0 && fabs(offset[axis]) > 0.75 * gauges->scene->particle_spacing) return 0.0;
-  return shape(length(offset) / gauges->frame->support_radius);
+  return hc_kernel_shape(length(offset) / gauges->frame->support_radius);
 }
 
 /* Those that stand still, or those that move: these are measured where the scene puts them. */
@@ -121,20 +112,21 @@ int64_t hc_measure_crossings(const hc_gauges *gauges, const hc_scene_gauge *gaug
   return crossings;
 }
 
-/* One particle's push on one sample of a wall. */
-typedef struct push {
-  int wall;
-  double force[3]; /* N */
-  double at[3];    /* of the sample, m, scene coordinates */
-} push;
+/* The gauges that take pushes, and where. */
+typedef struct taking {
+  const hc_gauges *gauges;
+  hc_sum *sums;
+} taking;
 
 /* Force and moment, or the force weighted around the gauge's point. */
-static void add_push(const hc_gauges *gauges, const push *push, hc_sum *sums) {
+static void add_push(void *context, const hc_wall_push *push) {
+  const taking *taking = context;
+  const hc_gauges *gauges = taking->gauges;
   const hc_scene *scene = gauges->scene;
   for (int g = 0; g < scene->output.gauge_count; g++) {
     const hc_scene_gauge *gauge = &scene->output.gauges[g];
     if (gauges->state[g].wall != push->wall) continue;
-    hc_sum *to = sums + gauges->state[g].first_sum;
+    hc_sum *to = taking->sums + gauges->state[g].first_sum;
     double arm[3];
     for (int axis = 0; axis < 3; axis++) arm[axis] = push->at[axis] - gauge->at[axis];
     const double *f = push->force;
@@ -149,74 +141,6 @@ static void add_push(const hc_gauges *gauges, const push *push, hc_sum *sums) {
   }
 }
 
-/* A particle and a sample: their distance in support radii, and where the sample is. */
-typedef struct pair {
-  double d[3], q;
-  double at[3];
-} pair;
-
-static pair make_pair(const hc_gauges *gauges, const hc_sweep *sweep, double back, int32_t i, int32_t b) {
-  const hc_particles *fluid = sweep->fluid;
-  pair pair;
-  for (int axis = 0; axis < 3; axis++) {
-    const int32_t units =
-        (int32_t)((uint32_t)fluid->place[i].x[axis] - (uint32_t)sweep->boundary->place[b].x[axis]);
-    pair.d[axis] = (double)units * sweep->scale[axis];
-    pair.at[axis] = hc_frame_to_metres(gauges->frame, axis, fluid->position[3 * (size_t)i + axis]) -
-                    back * fluid->velocity[3 * (size_t)i + axis] - (double)units * gauges->frame->unit[axis];
-  }
-  pair.q = length(pair.d);
-  return pair;
-}
-
-/* What of a particle's pressure and a sample's acts between them, by how walls take part: times m/rho0 grad W
- * a force. */
-static double strength(const hc_sweep *sweep, int32_t i, int32_t b) {
-  const hc_particles *fluid = sweep->fluid, *boundary = sweep->boundary;
-  switch (sweep->walls_add) {
-  case HC_WALLS_MIRRORED:
-    return (double)fluid->pressure[i] * (double)boundary->place[b].scalar;
-  case HC_WALLS_PRESSURE:
-    return (double)sweep->rest_density * sweep->volume *
-           ((double)fluid->place[i].scalar + (double)boundary->place[b].scalar);
-  case HC_WALLS_NOTHING:
-  case HC_WALLS_DISTANCE:
-    break;
-  }
-  return 0.0;
-}
-
-/* How much of a contact a sample takes. */
-static double share(double q) {
-  return fmax(0.0, 1.0 - q);
-}
-
-/* The force that the step put on walls is that of its velocity changes: m/rho0 p V_b grad W a pair, and the
- * momentum that contacts took, shared out among the samples that are near. Where contacts are rigid the
- * places are those of the step's end, else of its beginning. */
 void hc_measure_wall_push(const hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_sum *sums) {
-  const hc_particles *fluid = sweep->fluid, *boundary = sweep->boundary;
-  const hc_neighbors *walls = sweep->walls;
-  const double back = sweep->contacts ? 0.0 : dt;
-  const double of_contact = -(double)sweep->rest_density * sweep->volume / dt;
-  for (int32_t i = 0; i < fluid->own; i++) {
-    if (walls->count[i] == 0) continue;
-    const uint32_t *offset = walls->offset + (size_t)walls->start[i] * HC_LIST_GROUP;
-    double shares = 0.0;
-    for (int32_t k = 0; sweep->contacts && k < walls->count[i]; k++)
-      shares += share(make_pair(gauges, sweep, back, i, (int32_t)(offset[k] / sizeof(hc_record))).q);
-    for (int32_t k = 0; k < walls->count[i]; k++) {
-      const int32_t b = (int32_t)(offset[k] / sizeof(hc_record));
-      const pair pair = make_pair(gauges, sweep, back, i, b);
-      push push = {.wall = (int)boundary->motion[b].scalar};
-      memcpy(push.at, pair.at, sizeof push.at);
-      const double pressure = pair.q < 1.0 ? strength(sweep, i, b) * sweep->volume * sweep->gradient : 0.0;
-      const double contact = shares > 0.0 ? of_contact * share(pair.q) / shares : 0.0;
-      if (pressure == 0.0 && contact == 0.0) continue;
-      for (int axis = 0; axis < 3; axis++)
-        push.force[axis] = (pressure != 0.0 ? pressure * slope_over_q(pair.q) * pair.d[axis] : 0.0) +
-                           (contact != 0.0 ? contact * (double)sweep->contacts[i].v[axis] : 0.0);
-      add_push(gauges, &push, sums);
-    }
-  }
+  hc_wall_force_each(sweep, gauges->frame, dt, add_push, &(taking){gauges, sums});
 }

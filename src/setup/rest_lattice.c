@@ -1,22 +1,16 @@
 #include "rest_lattice.h"
 
 #include "base/check.h"
+#include "sph/kernel.h"
 
-#include <math.h>
+static const double sigma = 8 / 3.14159265358979323846;
 
+/* W h^3, and dW/dq h^3 */
 static double kernel(double q) {
-  const double sigma = 8 / 3.14159265358979323846;
-  if (q >= 1) return 0;
-  if (q > 0.5) return 2 * sigma * (1 - q) * (1 - q) * (1 - q);
-  return sigma * (6 * q * q * (q - 1) + 1);
+  return sigma * hc_kernel_shape(q);
 }
-
-/* dW/dq h^3 */
 static double kernel_slope(double q) {
-  const double sigma = 8 / 3.14159265358979323846;
-  if (q >= 1) return 0;
-  if (q > 0.5) return -6 * sigma * (1 - q) * (1 - q);
-  return sigma * (18 * q * q - 12 * q);
+  return sigma * q * hc_kernel_slope_over_q(q);
 }
 
 /* Integral of W h^3 over a plane at distance z, in units of h^2: 2 pi times that of W q dq from z to 1. */

@@ -30,8 +30,8 @@ static double nearest_of(const hc_world *world, const hc_neighbors *list, const 
                          int32_t i) {
   const int32_t *own = world->fluid->place[i].x;
   double nearest = INFINITY;
-  for (int k = 0; k < list->count[i]; k++) {
-    const uint32_t offset = list->offset[(size_t)list->start[i] * HC_LIST_GROUP + (size_t)k];
+  for (int k = 0; k < hc_list_count(list, i); k++) {
+    const uint32_t offset = hc_list_row(list, i)[k];
     const int32_t *other = others->place[offset / sizeof(hc_record)].x;
     double square = 0.0;
     for (int axis = 0; axis < 3; axis++) {
@@ -74,8 +74,8 @@ static victim describe(const hc_simulation *simulation, const int64_t box[6], in
   const double *v = &fluid->velocity[3 * (size_t)i];
   const int64_t *x = &fluid->position[3 * (size_t)i];
   const double rest = simulation->scene->fluid.rest_density, spacing = simulation->scene->particle_spacing;
-  victim found = {.fluid_neighbors = world->list.count[i],
-                  .wall_neighbors = world->walls.count[i],
+  victim found = {.fluid_neighbors = hc_list_count(&world->list, i),
+                  .wall_neighbors = hc_list_count(&world->walls, i),
                   .speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]),
                   .density_error = (double)fluid->density[i] / rest - 1.0,
                   .nearest = fmin(nearest_of(world, &world->list, fluid, i),

@@ -8,7 +8,7 @@
 
 enum {
   SORT = 12, /* the sort's work space, which forces use too */
-  ROW = 6,   /* start and count of a list's row */
+  ROW = 4,   /* where a list's row begins */
   ENTRIES =
       17,    /* bytes of a row's entries, times the cube of the support radius in spacings: fluid at rest */
   CELLS = 4, /* bytes of a brick's tables for a particle of fluid, where eight fill a cell, */

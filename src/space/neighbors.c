@@ -15,9 +15,8 @@ void hc_neighbors_init(hc_neighbors *list) {
 }
 
 void hc_neighbors_free(hc_neighbors *list) {
-  hc_free(list->start);
+  hc_free(list->row);
   hc_free(list->offset);
-  hc_free(list->count);
   memset(list, 0, sizeof *list);
 }
 
@@ -94,10 +93,7 @@ static bool any_adjacent(const window *window, int32_t brick) {
 }
 
 static void write_empty_rows(hc_neighbors *list, hc_selection rows, size_t used) {
-  for (int32_t row = rows.begin; row < rows.end; row++) {
-    list->start[row] = (uint32_t)(used / HC_LIST_GROUP);
-    list->count[row] = 0;
-  }
+  for (int32_t row = rows.begin; row < rows.end; row++) list->row[row] = (uint32_t)used;
 }
 
 /* Records [begin, end) of a source that lie in one cell. */
@@ -201,8 +197,7 @@ static hc_selection rows_within(hc_selection selection, int32_t first, int32_t e
 
 static void make_list_room(hc_neighbors *list, hc_selection selection, bool same) {
   const size_t rows = (size_t)selection.end;
-  hc_reserve((void **)&list->start, &list->start_capacity, rows + 1, 0, sizeof *list->start);
-  hc_reserve((void **)&list->count, &list->count_capacity, rows, 0, sizeof *list->count);
+  hc_reserve((void **)&list->row, &list->row_capacity, rows + 1, 0, sizeof *list->row);
   const size_t guess = (same ? rows * LIST_GUESS : 0) + HC_NEIGHBOR_SLACK;
   if (list->offset_capacity < guess)
     hc_reserve((void **)&list->offset, &list->offset_capacity, guess, 0, sizeof *list->offset);
@@ -273,7 +268,7 @@ void hc_neighbors_build(hc_neighbors *list, hc_neighbor_search *search, const hc
                  used, sizeof *list->offset);
     used = window.loops->rows(list, search, window.slab[0], window.slab[3], target->place, rows, same, used);
   }
-  HC_CHECK(used / HC_LIST_GROUP < UINT32_MAX, "neighbour list too long for one rank: %zu entries", used);
-  list->start[selection.end] = (uint32_t)(used / HC_LIST_GROUP);
+  HC_CHECK(used <= UINT32_MAX, "neighbour list too long for one rank: %zu entries", used);
+  list->row[selection.end] = (uint32_t)used;
   memset(list->offset + used, 0, 2 * HC_LIST_GROUP * sizeof *list->offset);
 }

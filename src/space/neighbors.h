@@ -19,15 +19,35 @@ enum {
 };
 
 typedef struct hc_neighbors {
-  uint32_t *start; /* row r of the selection has groups [start[r], start[r + 1]) of eight entries */
+  uint32_t *row; /* row r of the selection: where its entries begin, a multiple of HC_LIST_GROUP, and in the
+                    bits below how many fill up its last group; one more behind the last row */
   uint32_t *
       offset; /* 16 * index: the place of the neighbour's record in bytes; sixteen readable ones at the end */
-  uint16_t *count; /* neighbours without the padding */
-  int64_t pairs;   /* sum of count */
+  int64_t pairs;   /* entries of all rows that do not fill up */
   int32_t crowded; /* a particle in a cell that holds more than HC_CELL_MOST, whose rows are left empty; -1:
                       none */
-  size_t start_capacity, offset_capacity, count_capacity;
+  size_t row_capacity, offset_capacity;
 } hc_neighbors;
+
+static inline uint32_t hc_list_begin(const hc_neighbors *list, int32_t row) {
+  return list->row[row] & ~(uint32_t)(HC_LIST_GROUP - 1);
+}
+
+/* The entries of a row, how many they are with those that fill up the last group, and without. */
+static inline const uint32_t *hc_list_row(const hc_neighbors *list, int32_t row) {
+  return list->offset + hc_list_begin(list, row);
+}
+static inline int32_t hc_list_entries(const hc_neighbors *list, int32_t row) {
+  return (int32_t)(hc_list_begin(list, row + 1) - hc_list_begin(list, row));
+}
+static inline int32_t hc_list_count(const hc_neighbors *list, int32_t row) {
+  return hc_list_entries(list, row) - (int32_t)(list->row[row] & (HC_LIST_GROUP - 1));
+}
+
+/* Have the rows [begin, end) no entries? */
+static inline bool hc_list_empty(const hc_neighbors *list, int32_t begin, int32_t end) {
+  return hc_list_begin(list, begin) == hc_list_begin(list, end);
+}
 
 void hc_neighbors_init(hc_neighbors *list);
 void hc_neighbors_free(hc_neighbors *list);

@@ -117,10 +117,10 @@ static size_t rows(hc_neighbors *list, const hc_neighbor_search *search, int32_t
                                 &place[i], self, out);
     const uint32_t filler = same || hits == 0 ? self : out[0];
     for (int pad = 0; pad < HC_LIST_GROUP; pad++) out[hits + pad] = filler;
-    list->start[row] = (uint32_t)(used / HC_LIST_GROUP);
-    list->count[row] = (uint16_t)(hits < UINT16_MAX ? hits : UINT16_MAX);
+    const uint32_t fillers = -(uint32_t)hits % HC_LIST_GROUP;
+    list->row[row] = (uint32_t)used | fillers;
     list->pairs += hits;
-    used += ((size_t)hits + HC_LIST_GROUP - 1) / HC_LIST_GROUP * HC_LIST_GROUP;
+    used += (size_t)hits + fillers;
   }
   return used;
 }

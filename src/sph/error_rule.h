@@ -22,7 +22,9 @@ static inline void hc_error_apply(const hc_sweep *sweep, const hc_error_rule *ru
                                   int32_t row, int32_t i, float rate, hc_error_total *total) {
   hc_particles *fluid = sweep->fluid;
   float e = rule->of_density * (fluid->density[i] * per_density - 1.0f) + rule->of_rate * rate;
-  if (sweep->list->count[row] + sweep->walls->count[row] < rule->min_neighbors) e = 0.0f;
+  if (rule->min_neighbors > 0 &&
+      hc_list_count(sweep->list, row) + hc_list_count(sweep->walls, row) < rule->min_neighbors)
+    e = 0.0f;
   if (e < 0.0f && !rule->signed_error) e = 0.0f;
   fluid->place[i].scalar = rule->relaxation * fluid->alpha[i] * e;
   hc_error_note(fabsf(e), total);

@@ -48,9 +48,7 @@ typedef struct row {
 } row;
 
 HC_INLINE row row_of(const hc_neighbors *list, int32_t number) {
-  const uint32_t first = list->start[number];
-  return (row){list->offset + (size_t)first * HC_GROUP, (int32_t)(list->start[number + 1] - first) * HC_GROUP,
-               list->count[number]};
+  return (row){hc_list_row(list, number), hc_list_entries(list, number), hc_list_count(list, number)};
 }
 
 /* Nobody reads ghosts' values that are still on their way: only interior particles have no ghosts among their
@@ -177,7 +175,7 @@ HC_INLINE void add_up_vectors(block_vectors *block, int32_t count) {
 /* Sums over boundary neighbours of a block: V_b W and V_b grad W without their constants. */
 HC_INLINE void sum_walls(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
                          block_sums *densities, block_vectors *gradients) {
-  if (sweep->walls->start[first] == sweep->walls->start[first + count]) { /* far from any wall */
+  if (hc_list_empty(sweep->walls, first, first + count)) { /* far from any wall */
     memset(densities->total, 0, sizeof densities->total);
     memset(gradients->x.total, 0, sizeof gradients->x.total);
     memset(gradients->y.total, 0, sizeof gradients->y.total);

@@ -8,7 +8,7 @@
 /* Sums W over boundary neighbours of a block, without the constant; each sample as a particle of fluid. */
 HC_INLINE void sum_wall_kernels(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
                                 block_sums *kernels) {
-  if (sweep->walls->start[first] == sweep->walls->start[first + count]) { /* far from any wall */
+  if (hc_list_empty(sweep->walls, first, first + count)) { /* far from any wall */
     memset(kernels->total, 0, sizeof kernels->total);
     return;
   }
@@ -35,7 +35,7 @@ HC_INLINE void no_planes(block_planes *planes) {
  * height over the sample (`plane`) or w (1 - q * steepness). */
 HC_INLINE void sum_planes(const hc_sweep *sweep, const hc_record *vectors, bool plane, float steepness,
                           hc_selection selection, int32_t first, int32_t count, block_planes *planes) {
-  if (sweep->walls->start[first] == sweep->walls->start[first + count]) {
+  if (hc_list_empty(sweep->walls, first, first + count)) {
     no_planes(planes);
     return;
   }
@@ -159,11 +159,11 @@ void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_predicti
   block_sums kernels;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
-    if (list->start[first] == list->start[first + count]) continue; /* dry: the pressure stays 0 */
+    if (hc_list_empty(list, first, first + count)) continue; /* dry: the pressure stays 0 */
     sum_kernels(sweep, boundary->place, list, sweep->fluid->place, NULL, selection, first, count, &kernels);
     for (int32_t k = 0; k < count; k++) {
       const int32_t b = hc_selected(selection, first + k);
-      if (list->count[first + k] == 0) continue;
+      if (hc_list_count(list, first + k) == 0) continue;
       const float relative = sweep->kernel * sweep->volume * kernels.total[k] + boundary->boundary_share[b];
       boundary->pressure[b] = hc_next_pressure(sweep, prediction, boundary->pressure[b], relative);
       boundary->place[b].scalar = hc_pressure_scalar(sweep, boundary->pressure[b], relative);
@@ -176,7 +176,7 @@ void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_predicti
 /* Sums (s_i + s_b) grad W over boundary neighbours of a block, without constants. */
 HC_INLINE void sum_wall_pushes(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
                                block_vectors *pushes) {
-  if (sweep->walls->start[first] == sweep->walls->start[first + count]) {
+  if (hc_list_empty(sweep->walls, first, first + count)) {
     memset(pushes->x.total, 0, sizeof pushes->x.total);
     memset(pushes->y.total, 0, sizeof pushes->y.total);
     memset(pushes->z.total, 0, sizeof pushes->z.total);

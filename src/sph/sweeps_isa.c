@@ -7,7 +7,7 @@
 HC_INLINE void sum_wall_rates(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
                               block_sums *rates) {
   memset(rates->total, 0, sizeof rates->total);
-  if (!sweep->walls_move || sweep->walls->start[first] == sweep->walls->start[first + count]) return;
+  if (!sweep->walls_move || hc_list_empty(sweep->walls, first, first + count)) return;
   for (int32_t k = 0; k < count; k++) {
     const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, first + k)]);
     const row row = row_of(sweep->walls, first + k);

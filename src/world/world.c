@@ -109,16 +109,20 @@ static void place_boundary(hc_world *world) {
 
 /* Leaves in a list of samples into themselves only neighbours of the same wall. */
 static void keep_own_wall(const hc_particles *walls, hc_neighbors *list) {
+  uint32_t used = 0;
+  list->pairs = 0;
   for (int32_t i = 0; i < walls->own; i++) {
-    uint32_t *row = list->offset + (size_t)list->start[i] * HC_LIST_GROUP;
-    uint16_t kept = 0;
-    for (uint16_t k = 0; k < list->count[i]; k++)
-      if (walls->motion[row[k] / sizeof(hc_record)].scalar == walls->motion[i].scalar) row[kept++] = row[k];
-    for (uint32_t k = kept; k < (list->start[i + 1] - list->start[i]) * HC_LIST_GROUP; k++)
-      row[k] = (uint32_t)((size_t)i * sizeof(hc_record));
-    list->pairs -= list->count[i] - kept;
-    list->count[i] = kept;
+    const uint32_t *row = hc_list_row(list, i), first = used;
+    const int32_t count = hc_list_count(list, i);
+    for (int32_t k = 0; k < count; k++)
+      if (walls->motion[row[k] / sizeof(hc_record)].scalar == walls->motion[i].scalar)
+        list->offset[used++] = row[k];
+    list->pairs += used - first;
+    const uint32_t fillers = -used % HC_LIST_GROUP;
+    for (uint32_t k = 0; k < fillers; k++) list->offset[used++] = (uint32_t)((size_t)i * sizeof(hc_record));
+    list->row[i] = first | fillers;
   }
+  list->row[walls->own] = used;
 }
 
 /* Boundary volumes, from the cells and ghosts as they are. */
@@ -139,8 +143,8 @@ void hc_world_rebalance(hc_world *world, hc_divider divider, double busy) {
   hc_stopwatch_enter(&world->watch, HC_STAGE_BALANCE);
   hc_work work = {.fluid = world->fluid, .boundary = world->boundary, .moving = world->moving, .busy = busy};
   if (world->listed.end == world->fluid->own && !world->listed.index) {
-    work.neighbors = world->list.count;
-    work.walls = world->walls.count;
+    work.neighbors = &world->list;
+    work.walls = &world->walls;
   }
   hc_domain_balance(&world->domain, divider, &work, &world->division);
   world->listed = hc_select_range(0, -1);

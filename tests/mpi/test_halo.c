@@ -110,15 +110,16 @@ static bool is_image(const world *w, int32_t index, const image *image) {
 
 static bool sees_what_it_should(const world *w, int32_t i, image *found) {
   const int32_t count = find_images(w, i, found);
-  const uint32_t *row = w->list.offset + (size_t)w->list.start[i] * HC_LIST_GROUP;
+  const uint32_t *row = hc_list_row(&w->list, i);
   int32_t entry = 0;
   for (int32_t k = 0; k < count; k++) {
-    if (entry < w->list.count[i] && is_image(w, (int32_t)(row[entry] / sizeof(hc_record)), &found[k]))
+    if (entry < hc_list_count(&w->list, i) &&
+        is_image(w, (int32_t)(row[entry] / sizeof(hc_record)), &found[k]))
       entry++;
     else if (found[k].required)
       return false;
   }
-  return entry == w->list.count[i];
+  return entry == hc_list_count(&w->list, i);
 }
 
 static bool lists_are_right(const world *w) {
@@ -166,8 +167,8 @@ static bool order_is_right(const world *w) {
     good &= way > 0 || (way == 0 && w->particles.id[k] > w->particles.id[k - 1]);
   }
   for (int32_t i = w->particles.border; i < w->particles.own; i++) { /* the interior sees no ghosts */
-    const uint32_t *row = w->list.offset + (size_t)w->list.start[i] * HC_LIST_GROUP;
-    for (int32_t k = 0; k < w->list.count[i]; k++)
+    const uint32_t *row = hc_list_row(&w->list, i);
+    for (int32_t k = 0; k < hc_list_count(&w->list, i); k++)
       good &= row[k] < (uint32_t)w->particles.own * (uint32_t)sizeof(hc_record);
   }
   return good;

@@ -107,32 +107,32 @@ static inline int32_t find_candidates(const hc_particles *target, int32_t i, con
 /* Is the row a part of the candidates, in their order, with all that are required? */
 static inline bool row_agrees(const hc_neighbors *list, int32_t i, const candidate *candidates,
                               int32_t count) {
-  const uint32_t *row = list->offset + (size_t)list->start[i] * HC_LIST_GROUP;
+  const uint32_t *row = hc_list_row(list, i);
   int32_t entry = 0;
   for (int32_t k = 0; k < count; k++) {
-    if (entry < list->count[i] && row[entry] == (uint32_t)candidates[k].index * sizeof(hc_record))
+    if (entry < hc_list_count(list, i) && row[entry] == (uint32_t)candidates[k].index * sizeof(hc_record))
       entry++;
     else if (candidates[k].required)
       return false;
   }
-  return entry == list->count[i];
+  return entry == hc_list_count(list, i);
 }
 
 /* Entries that fill up groups are the particle itself, or a neighbour; rows stand one behind the other. */
 static inline bool layout_is_right(const hc_neighbors *list, const set *target, const set *source) {
   const int32_t own = target->particles.own;
-  bool good = own == 0 || list->start[0] == 0;
+  bool good = own == 0 || list->row[0] < HC_LIST_GROUP;
   int64_t pairs = 0;
   for (int32_t i = 0; i < own; i++) {
-    const uint32_t *row = list->offset + (size_t)list->start[i] * HC_LIST_GROUP;
-    const int32_t entries = (int32_t)(list->start[i + 1] - list->start[i]) * HC_LIST_GROUP;
-    good &= entries >= list->count[i] && entries < list->count[i] + HC_LIST_GROUP;
-    for (int32_t k = list->count[i]; k < entries; k++)
+    const uint32_t *row = hc_list_row(list, i);
+    const int32_t entries = hc_list_entries(list, i);
+    good &= entries >= hc_list_count(list, i) && entries < hc_list_count(list, i) + HC_LIST_GROUP;
+    for (int32_t k = hc_list_count(list, i); k < entries; k++)
       good &= row[k] == (target == source ? (uint32_t)i * sizeof(hc_record) : row[0]);
-    pairs += list->count[i];
+    pairs += hc_list_count(list, i);
   }
   for (int k = 0; k < 16; k++) /* what a vector may load behind the last row */
-    good &= list->offset[(size_t)list->start[own] * HC_LIST_GROUP + (size_t)k] <
+    good &= list->offset[hc_list_begin(list, own) + (uint32_t)k] <
             (uint32_t)(source->particles.own + HC_SPARE) * sizeof(hc_record);
   return good && pairs == list->pairs;
 }
@@ -144,16 +144,15 @@ static inline void check_list(const hc_neighbors *list, const set *target, const
     const int32_t count = find_candidates(&target->particles, i, &source->particles, found);
     if (!row_agrees(list, i, found, count))
       ck_abort_msg("%s: the %d neighbours of particle %d are not among the %d expected, in order", isa,
-                   list->count[i], i, count);
+                   hc_list_count(list, i), i, count);
   }
   ck_assert_msg(layout_is_right(list, target, source), "%s", isa);
   hc_free(found);
 }
 
 static inline bool same_list(const hc_neighbors *a, const hc_neighbors *b, int32_t own) {
-  return a->pairs == b->pairs && memcmp(a->start, b->start, ((size_t)own + 1) * sizeof *a->start) == 0 &&
-         memcmp(a->count, b->count, (size_t)own * sizeof *a->count) == 0 &&
-         memcmp(a->offset, b->offset, (size_t)a->start[own] * HC_LIST_GROUP * sizeof *a->offset) == 0;
+  return a->pairs == b->pairs && memcmp(a->row, b->row, ((size_t)own + 1) * sizeof *a->row) == 0 &&
+         memcmp(a->offset, b->offset, hc_list_begin(a, own) * sizeof *a->offset) == 0;
 }
 
 static inline void build(hc_neighbors *list, hc_isa isa, const set *target, const set *source) {

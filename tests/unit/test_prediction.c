@@ -138,7 +138,7 @@ START_TEST(densities_of_walls) {
       double relative = 0;
       for (int32_t j = 0; j < FLUID; j++)
         relative += VOLUME * kernel(norm(separation(&s, &s.boundary, b, &s.fluid, j)));
-      const bool wet = s.wetted.count[b] > 0;
+      const bool wet = hc_list_count(&s.wetted, b) > 0;
       relative += share_of(s.boundary.id[b]);
       const double pressure = wet ? next_pressure(0, relative) : 0;
       const double room = TOLERANCE * REST_DENSITY * STIFFNESS * (1 + relative);

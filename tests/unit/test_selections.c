@@ -222,16 +222,14 @@ static void build_lists(bench *b, hc_isa isa, sweep_id id, hc_selection selectio
 }
 
 static bool rows_are_the_same(const hc_neighbors *all, const hc_neighbors *some, hc_selection selection) {
-  bool good = some->start[selection.begin] == 0;
+  bool good = some->row[selection.begin] < HC_LIST_GROUP;
   int64_t pairs = 0;
   for (int32_t r = selection.begin; r < selection.end; r++) {
     const int32_t i = hc_selected(selection, r);
-    const uint32_t groups = all->start[i + 1] - all->start[i];
-    good &= some->start[r + 1] - some->start[r] == groups && some->count[r] == all->count[i] &&
-            memcmp(some->offset + (size_t)some->start[r] * HC_LIST_GROUP,
-                   all->offset + (size_t)all->start[i] * HC_LIST_GROUP,
-                   groups * HC_LIST_GROUP * sizeof *all->offset) == 0;
-    pairs += some->count[r];
+    const int32_t entries = hc_list_entries(all, i);
+    good &= hc_list_entries(some, r) == entries && hc_list_count(some, r) == hc_list_count(all, i) &&
+            memcmp(hc_list_row(some, r), hc_list_row(all, i), (size_t)entries * sizeof *all->offset) == 0;
+    pairs += hc_list_count(some, r);
   }
   return good && some->pairs == pairs;
 }

@@ -181,7 +181,7 @@ static scaled expected_error(const setting *s, const expected *e, const hc_error
   scaled error = {rule->of_density * (e->relative_density - 1) + rule->of_rate * e->rate.value,
                   TOLERANCE * (fabsf(rule->of_density) * (e->relative_density + 1) +
                                fabsf(rule->of_rate) * e->rate.scale)};
-  if (s->list.count[i] + s->walls.count[i] < rule->min_neighbors) error = (scaled){0, 0};
+  if (hc_list_count(&s->list, i) + hc_list_count(&s->walls, i) < rule->min_neighbors) error = (scaled){0, 0};
   if (!rule->signed_error && error.value < 0) error.value = 0;
   return error;
 }

@@ -1,0 +1,24 @@
+/* The forces that water puts on walls: what a step's changes of velocity took from the fluid, pair by pair,
+ * so that it is what the particles felt. */
+#ifndef HC_WALL_FORCE_H
+#define HC_WALL_FORCE_H
+
+#include "space/frame.h"
+#include "sph/sweeps.h"
+
+/* What one particle puts on one sample of a wall. */
+typedef struct hc_wall_push {
+  int wall;        /* its number in the scene */
+  double force[3]; /* N */
+  double at[3];    /* of the sample, m, scene coordinates, through the particle's periodic image */
+} hc_wall_push;
+
+typedef void (*hc_wall_push_taker)(void *context, const hc_wall_push *push);
+
+/* Shows every push of own fluid particles of the step of `dt` that has just moved them: pressure,
+ * m/rho0 p V_b grad W a pair by how the walls take part, and the momentum that contacts took, shared out
+ * among the samples that are near. Lists and records are the step's. Local. */
+void hc_wall_force_each(const hc_sweep *sweep, const hc_frame *frame, double dt, hc_wall_push_taker take,
+                        void *context);
+
+#endif
