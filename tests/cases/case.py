@@ -17,6 +17,9 @@ MPI_ENVIRONMENT = {
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_mpi_yield_when_idle": "1",
     "OMPI_MCA_hwloc_base_binding_policy": "none",
+    "OMPI_MCA_pml": "ob1",
+    "OMPI_MCA_btl": "self,vader",
+    "OMPI_MCA_ess_singleton_isolated": "1",
 }
 
 
@@ -44,7 +47,8 @@ class Case:
 
     def call(self, arguments, ranks=1, expected=0, timeout=600, environment=None):
         """Runs the program; any exit code but the expected one is a failure that shows the output."""
-        command = [*self.mpiexec, "-n", str(ranks), self.halocline, *map(str, arguments)]
+        launcher = [*self.mpiexec, "-n", str(ranks)] if ranks > 1 else []
+        command = [*launcher, self.halocline, *map(str, arguments)]
         environment = {**MPI_ENVIRONMENT, **os.environ, **(environment or {})}
         try:
             done = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
