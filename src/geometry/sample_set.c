@@ -26,16 +26,20 @@ static void cell_of(const hc_sample_set *set, const double x[3], int64_t cell[3]
   for (int a = 0; a < 3; a++) cell[a] = floor_of(x[a] / set->edge);
 }
 
-static int32_t *head_of(const hc_sample_set *set, const int64_t cell[3]) {
-  const uint64_t bits = (uint64_t)cell[0] * 0x9e3779b97f4a7c15u + (uint64_t)cell[1] * 0xbf58476d1ce4e5b9u +
-                        (uint64_t)cell[2] * 0x94d049bb133111ebu;
+/* A cell's hash is made of the sum of its axes' parts. */
+static uint64_t part_of(int axis, int64_t cell) {
+  static const uint64_t factors[3] = {0x9e3779b97f4a7c15u, 0xbf58476d1ce4e5b9u, 0x94d049bb133111ebu};
+  return (uint64_t)cell * factors[axis];
+}
+
+static int32_t *head_of(const hc_sample_set *set, uint64_t bits) {
   return &set->heads[(bits ^ bits >> 32) * 0xd1342543de82ef95u >> 33 & (uint64_t)(set->head_count - 1)];
 }
 
 static void link_sample(hc_sample_set *set, int32_t k) {
   int64_t cell[3];
   cell_of(set, set->at[k].x, cell);
-  int32_t *const head = head_of(set, cell);
+  int32_t *const head = head_of(set, part_of(0, cell[0]) + part_of(1, cell[1]) + part_of(2, cell[2]));
   set->at[k].next = *head;
   *head = k;
 }
@@ -65,15 +69,17 @@ void hc_sample_set_add(hc_sample_set *set, const double x[3], int32_t triangle) 
 
 /* What is around a point: cells, its own first, and squares of how far off they are at least. */
 typedef struct around {
-  int64_t middle[3];
-  double beyond[3][3]; /* of the cell before, its own and the one behind */
+  uint64_t part[3][3]; /* of the hashes of the cell before, its own and the one behind, along each axis */
+  double beyond[3][3]; /* the same for the squares */
 } around;
 
 static around look_around(const hc_sample_set *set, const double x[3]) {
   around here;
-  cell_of(set, x, here.middle);
+  int64_t middle[3];
+  cell_of(set, x, middle);
   for (int a = 0; a < 3; a++) {
-    const double within = x[a] - (double)here.middle[a] * set->edge, left = set->edge - within;
+    const double within = x[a] - (double)middle[a] * set->edge, left = set->edge - within;
+    for (int k = 0; k < 3; k++) here.part[a][k] = part_of(a, middle[a] + k - 1);
     here.beyond[a][0] = within * within;
     here.beyond[a][1] = 0;
     here.beyond[a][2] = left * left;
@@ -85,8 +91,7 @@ static around look_around(const hc_sample_set *set, const double x[3]) {
 static int32_t first_of(const hc_sample_set *set, const around *here, int n, double square) {
   const int at = n == 0 ? 13 : n <= 13 ? n - 1 : n, i = at % 3, j = at / 3 % 3, k = at / 9;
   if ((here->beyond[0][i] + here->beyond[1][j] + here->beyond[2][k]) * (1 - 1e-9) > square) return -1;
-  return *head_of(
-      set, (const int64_t[3]){here->middle[0] + i - 1, here->middle[1] + j - 1, here->middle[2] + k - 1});
+  return *head_of(set, here->part[0][i] + here->part[1][j] + here->part[2][k]);
 }
 
 int32_t hc_sample_set_nearest(const hc_sample_set *set, const double x[3], double *square) {

@@ -124,7 +124,7 @@ void hc_surface_free(hc_surface *surface) {
 
 /* --- The nearest point --- */
 
-static void set_share(double share[3], double a, double b, double c) {
+static inline void set_share(double share[3], double a, double b, double c) {
   share[0] = a;
   share[1] = b;
   share[2] = c;
@@ -132,7 +132,8 @@ static void set_share(double share[3], double a, double b, double c) {
 
 /* The shares of the corners in the point of a triangle that is nearest to x: exactly 0 for corners that do
  * not have one, so that vertices and edges are known. */
-static void nearest_share(const double *corner[3], const double x[3], double share[3]) {
+static inline __attribute__((always_inline)) void nearest_share(const double *corner[3], const double x[3],
+                                                                double share[3]) {
   double ab[3], ac[3], ax[3], bx[3], cx[3];
   hc_vector_minus(corner[1], corner[0], ab);
   hc_vector_minus(corner[2], corner[0], ac);

@@ -10,7 +10,7 @@ static const double crowded = 0.73; /* spacings: closer in the end is too close 
 static const double hole = 0.73;    /* spacings: a candidate farther from all samples becomes one */
 static const double beside = 0.72;  /* spacings: what creases and layers keep from each other */
 enum { PASSES = 3, ROUNDS = 5 };
-static const double most_candidates = 1 << 24;
+static const double most_candidates = 1 << 25;
 
 /* A surface being sampled. */
 typedef struct work {

@@ -21,9 +21,9 @@
 
 /* Fills surface->samples, the first layer before the second, with our share of them. `fluid_inside`: the
  * fluid is within a closed surface; else on the side that its triangles look at. A surface so small that
- * nothing fits behind it has one sample in its middle. HC_BAD_INPUT, for all parts: more than 2^24 candidates
- * would be needed, some 600,000 samples. Collective over `parts`; the samples are the same to the bit for any
- * number of them. */
+ * nothing fits behind it has one sample in its middle. HC_BAD_INPUT, for all parts: more than 2^25 candidates
+ * would be needed, about a million samples. Collective over `parts`; the samples are the same to the bit for
+ * any number of them. */
 hc_status hc_surface_samples_make(hc_surface *surface, double spacing, int layers, bool fluid_inside,
                                   const hc_parts *parts, hc_error *error);
 
