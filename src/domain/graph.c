@@ -58,19 +58,33 @@ static idx_t add_faces(hc_graph *graph, const building *building, int32_t k, idx
   return used;
 }
 
-/* Does brick k, which has no fluid, belong to the vertex of the one before? */
-static bool is_merged(const hc_bricks *bricks, int32_t k) {
-  if (k == 0 || bricks->brick[k].fluid > 0 || bricks->brick[k - 1].fluid > 0) return false;
-  const hc_brick *brick = &bricks->brick[k].brick, *before = &bricks->brick[k - 1].brick;
-  for (int axis = 0; axis < 3; axis++)
-    if (brick->x[axis] >> HC_GRAPH_MERGED_BITS != before->x[axis] >> HC_GRAPH_MERGED_BITS) return false;
-  return true;
+/* Is there no fluid in brick k nor behind its faces? */
+static bool is_dry(const building *building, int32_t k) {
+  const hc_loaded_brick *brick = building->bricks->brick;
+  bool dry = brick[k].fluid == 0;
+  for (int face = 0; face < HC_GRAPH_FACES && dry; face++) {
+    const int32_t there = neighbor_of(building, brick[k].brick, face);
+    dry = there < 0 || brick[there].fluid == 0;
+  }
+  return dry;
 }
 
-static void find_vertices(hc_graph *graph, const hc_bricks *bricks, int32_t *vertex) {
+static bool in_one_cube(const hc_brick *a, const hc_brick *b) {
+  bool one = true;
+  for (int axis = 0; axis < 3; axis++)
+    one &= a->x[axis] >> HC_GRAPH_MERGED_BITS == b->x[axis] >> HC_GRAPH_MERGED_BITS;
+  return one;
+}
+
+static void find_vertices(hc_graph *graph, const building *building) {
+  const hc_bricks *bricks = building->bricks;
+  bool before = false;
   for (int32_t k = 0; k < bricks->count; k++) {
-    if (!is_merged(bricks, k)) graph->first[graph->count++] = k;
-    vertex[k] = (int32_t)graph->count - 1;
+    const bool dry = is_dry(building, k);
+    if (!dry || !before || !in_one_cube(&bricks->brick[k].brick, &bricks->brick[k - 1].brick))
+      graph->first[graph->count++] = k;
+    building->vertex[k] = (int32_t)graph->count - 1;
+    before = dry;
   }
   graph->first[graph->count] = bricks->count;
 }
@@ -89,13 +103,6 @@ static void find_ends(building *building, const hc_map *map, const hc_frame *fra
 void hc_graph_init(hc_graph *graph, const hc_bricks *bricks, const hc_map *map, const hc_frame *frame) {
   const size_t count = (size_t)bricks->count;
   building building = {.bricks = bricks, .vertex = hc_alloc(count, sizeof *building.vertex)};
-  *graph = (hc_graph){.first = hc_alloc(count + 1, sizeof *graph->first)};
-  find_vertices(graph, bricks, building.vertex);
-  const size_t vertices = (size_t)graph->count;
-  graph->start = hc_alloc(vertices + 1, sizeof(idx_t));
-  graph->adjacent = hc_alloc(HC_GRAPH_FACES * count, sizeof(idx_t));
-  graph->edge_weight = hc_alloc(HC_GRAPH_FACES * count, sizeof(idx_t));
-  graph->vertex_weight = hc_alloc(vertices, sizeof(idx_t));
   hc_brick_set_init(&building.set);
   double ghosts = 0.0;
   for (int32_t k = 0; k < bricks->count; k++) {
@@ -104,6 +111,13 @@ void hc_graph_init(hc_graph *graph, const hc_bricks *bricks, const hc_map *map, 
   }
   building.layer = fmin(1.0, LARGEST_TOTAL / fmax(1.0, ghosts)) / (double)(1 << map->bits);
   find_ends(&building, map, frame);
+  *graph = (hc_graph){.first = hc_alloc(count + 1, sizeof *graph->first)};
+  find_vertices(graph, &building);
+  const size_t vertices = (size_t)graph->count;
+  graph->start = hc_alloc(vertices + 1, sizeof(idx_t));
+  graph->adjacent = hc_alloc(HC_GRAPH_FACES * count, sizeof(idx_t));
+  graph->edge_weight = hc_alloc(HC_GRAPH_FACES * count, sizeof(idx_t));
+  graph->vertex_weight = hc_alloc(vertices, sizeof(idx_t));
   const double scale = fmin(1.0, LARGEST_TOTAL / fmax(1.0, bricks->weight));
   idx_t used = 0;
   for (idx_t v = 0; v < graph->count; v++) {

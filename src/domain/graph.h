@@ -1,7 +1,8 @@
 /* The graph of occupied ownership bricks: what a partitioner cuts. Local, for rank 0.
  *
- * A vertex is a brick with fluid, or bricks without that follow each other and lie in one cube of
- * HC_GRAPH_MERGED: walls far from water, of which there may be many more, weigh little together. */
+ * A vertex is a brick with fluid in it or behind one of its faces, or bricks without that follow each other
+ * and lie in one cube of HC_GRAPH_MERGED: walls far from water, of which there may be many more, weigh little
+ * together. */
 #ifndef HC_GRAPH_H
 #define HC_GRAPH_H
 
