@@ -87,6 +87,7 @@ HC_INLINE pair load_pair(const self *own, const hc_record *place, const uint32_t
 }
 
 HC_INLINE vector load_velocity(const hc_record *motion, const uint32_t *offset, hc_float *scalar) {
+  __asm__("" : "+r"(offset)); /* reads them again: sixteen of them held in registers are spilled */
   hc_int column[4];
   hc_load_records(motion, offset, column);
   *scalar = (hc_float)column[3];
