@@ -109,19 +109,22 @@ HC_INLINE int32_t filter(const int32_t *restrict all_xy, const int32_t *restrict
 
 static size_t rows(hc_neighbors *list, const hc_neighbor_search *search, int32_t begin, int32_t end,
                    const hc_record *place, hc_selection selection, bool same, size_t used) {
+  uint32_t *const begins = list->row, *const entries = list->offset;
+  int64_t pairs = 0;
   for (int32_t row = selection.begin; row < selection.end; row++) {
     const int32_t i = hc_selected(selection, row);
     const uint32_t self = same ? (uint32_t)i * (uint32_t)sizeof(hc_record) : UINT32_MAX;
-    uint32_t *out = list->offset + used;
+    uint32_t *out = entries + used;
     const int32_t hits = filter(search->xy + begin, search->z + begin, search->offset + begin, end - begin,
                                 &place[i], self, out);
     const uint32_t filler = same || hits == 0 ? self : out[0];
     for (int pad = 0; pad < HC_LIST_GROUP; pad++) out[hits + pad] = filler;
     const uint32_t fillers = -(uint32_t)hits % HC_LIST_GROUP;
-    list->row[row] = (uint32_t)used | fillers;
-    list->pairs += hits;
+    begins[row] = (uint32_t)used | fillers;
+    pairs += hits;
     used += (size_t)hits + fillers;
   }
+  list->pairs += pairs;
   return used;
 }
 
