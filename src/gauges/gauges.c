@@ -8,11 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const force_columns[] = {"fx", "fy", "fz", "mx", "my", "mz"};
-static const char *const energy_columns[] = {"kinetic", "potential"};
+enum { READING_SUMS = 2 }; /* the most that a reading of a gauge takes over the ranks */
 
 static int columns_of(hc_gauge_type type) {
-  return type == HC_GAUGE_FORCE ? 6 : type == HC_GAUGE_ENERGY ? 2 : 1;
+  const char *const *const parts = hc_scene_gauge_parts(type);
+  int count = 0;
+  while (parts[count]) count++;
+  return count > 0 ? count : 1;
 }
 
 int hc_gauges_columns(const hc_scene *scene) {
@@ -24,10 +26,11 @@ int hc_gauges_columns(const hc_scene *scene) {
 void hc_gauges_column_name(const hc_scene *scene, int column, char *name, size_t size) {
   const hc_scene_gauge *gauge = scene->output.gauges;
   while (column >= columns_of(gauge->type)) column -= columns_of(gauge++->type);
-  const char *part = gauge->type == HC_GAUGE_FORCE    ? force_columns[column]
-                     : gauge->type == HC_GAUGE_ENERGY ? energy_columns[column]
-                                                      : "";
-  snprintf(name, size, "%s%s%s", gauge->name, *part ? "_" : "", part);
+  const char *const *const parts = hc_scene_gauge_parts(gauge->type);
+  if (parts[0])
+    snprintf(name, size, "%s_%s", gauge->name, parts[column]);
+  else
+    snprintf(name, size, "%s", gauge->name);
 }
 
 static int find_wall(const hc_scene *scene, const char *name) {
@@ -156,7 +159,7 @@ typedef struct mark {
 
 /* What all readings together need of all ranks. */
 typedef struct readings {
-  hc_sum *sums;    /* two a gauge */
+  hc_sum *sums;    /* READING_SUMS a gauge */
   int64_t *fronts; /* one a gauge */
   mark *marks;     /* ascending, once gathered */
   size_t mark_count, mark_room;
@@ -258,11 +261,11 @@ static void take_readings(const hc_gauges *gauges, const hc_particles *fluid, re
     heights |= gauge->type == HC_GAUGE_HEIGHT;
     if (gauge->type == HC_GAUGE_HEIGHT) mark_height(gauges, g, fluid, r);
     if (gauge->type == HC_GAUGE_FRONT) r->fronts[g] = find_front(gauges, gauge, fluid);
-    if (gauge->type == HC_GAUGE_ENERGY) add_energy(gauges, gauge, fluid, &r->sums[2 * g]);
-    if (gauge->type == HC_GAUGE_VOLUME) add_volume(gauges, gauge, fluid, &r->sums[2 * g]);
+    if (gauge->type == HC_GAUGE_ENERGY) add_energy(gauges, gauge, fluid, &r->sums[READING_SUMS * g]);
+    if (gauge->type == HC_GAUGE_VOLUME) add_volume(gauges, gauge, fluid, &r->sums[READING_SUMS * g]);
   }
   hc_tally tally = {.count = 0};
-  hc_tally_sum_exact(&tally, r->sums, 2 * count);
+  hc_tally_sum_exact(&tally, r->sums, READING_SUMS * count);
   hc_tally_max_i64(&tally, r->fronts, count);
   hc_tally_reduce(gauges->comm, &tally);
   if (heights) gather_marks(gauges->comm, r);
@@ -280,11 +283,11 @@ static void tell(hc_gauges *gauges, int g, const readings *r, double *values) {
     values[0] = front(gauges, gauge, r->fronts[g]);
     break;
   case HC_GAUGE_ENERGY:
-    values[0] = 0.5 * gauges->mass * hc_sum_value(&r->sums[2 * g]);
-    values[1] = -gauges->mass * hc_sum_value(&r->sums[2 * g + 1]);
+    values[0] = 0.5 * gauges->mass * hc_sum_value(&r->sums[READING_SUMS * g]);
+    values[1] = -gauges->mass * hc_sum_value(&r->sums[READING_SUMS * g + 1]);
     break;
   case HC_GAUGE_VOLUME:
-    values[0] = hc_sum_value(&r->sums[2 * g]);
+    values[0] = hc_sum_value(&r->sums[READING_SUMS * g]);
     break;
   case HC_GAUGE_PRESSURE:
   case HC_GAUGE_FLOW:
@@ -298,7 +301,7 @@ static void tell(hc_gauges *gauges, int g, const readings *r, double *values) {
 
 void hc_gauges_read(hc_gauges *gauges, const hc_particles *fluid, double *values) {
   const int count = gauges->scene->output.gauge_count;
-  readings r = {.sums = hc_alloc_zero(2 * (size_t)count, sizeof *r.sums),
+  readings r = {.sums = hc_alloc_zero(READING_SUMS * (size_t)count, sizeof *r.sums),
                 .fronts = hc_alloc_zero((size_t)count, sizeof *r.fronts)};
   take_readings(gauges, fluid, &r);
   for (int g = 0; g < count; g++) {

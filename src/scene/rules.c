@@ -242,11 +242,7 @@ static void check_rectangle(const hc_scene_gauge *gauge, const hc_given *given, 
 
 /* Would a column of the gauge `name` with several columns be called `other`? */
 static bool makes_column(const hc_scene_gauge *gauge, const char *other) {
-  static const char *const force[] = {"fx", "fy", "fz", "mx", "my", "mz", NULL},
-                           *const energy[] = {"kinetic", "potential", NULL}, *const none[] = {NULL};
-  const char *const *part = gauge->type == HC_GAUGE_FORCE    ? force
-                            : gauge->type == HC_GAUGE_ENERGY ? energy
-                                                             : none;
+  const char *const *part = hc_scene_gauge_parts(gauge->type);
   const size_t length = strlen(gauge->name);
   if (strncmp(gauge->name, other, length) != 0 || other[length] != '_') return false;
   for (; *part; part++)

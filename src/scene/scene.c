@@ -28,3 +28,9 @@ void hc_scene_free(hc_scene *scene) {
   hc_free(scene->output.gauges);
   memset(scene, 0, sizeof *scene);
 }
+
+const char *const *hc_scene_gauge_parts(hc_gauge_type type) {
+  static const char *const none[] = {NULL}, *const energy[] = {"kinetic", "potential", NULL},
+                           *const force[] = {"fx", "fy", "fz", "mx", "my", "mz", NULL};
+  return type == HC_GAUGE_FORCE ? force : type == HC_GAUGE_ENERGY ? energy : none;
+}

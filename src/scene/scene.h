@@ -338,6 +338,10 @@ typedef struct hc_scene {
   } faults;
 } hc_scene;
 
+/* What a gauge's columns are called behind its own name, null-ended; none: one column that is called as the
+ * gauge. */
+const char *const *hc_scene_gauge_parts(hc_gauge_type type);
+
 /* What a scene means by its errors: with adaptive steps 10 and 5 times the average error allowed (Ihmsen et
  * al. 2010, section 3.3), where it does not say. */
 static inline double hc_scene_density_error_max(const hc_scene *scene) {
