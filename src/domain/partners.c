@@ -224,7 +224,7 @@ static bool covers(hc_partners *partners, const hc_partners_of *of, hc_brick bri
     if (owners->ranks[n] == of->comm->rank) continue;
     if (++others > 1 || !is_in(partners->ranks, partners->count, owners->ranks[n], &place)) return false;
   }
-  if (others) hc_brick_set_add(&partners->covered, brick);
+  hc_brick_set_add(&partners->covered, brick);
   return true;
 }
 

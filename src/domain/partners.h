@@ -28,7 +28,7 @@ typedef struct hc_partners {
   int32_t *ranks;                /* ascending, without this one */
   int32_t count;
   size_t room;
-  hc_brick_set covered; /* bricks of or beside other ranks' cells; what is all ours needs no entry */
+  hc_brick_set covered; /* bricks of or beside other ranks' cells, and those found to be all ours since */
 } hc_partners;
 
 void hc_partners_init(hc_partners *partners);
