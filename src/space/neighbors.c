@@ -129,29 +129,41 @@ static int32_t append_merged(window *window, int32_t end, stretch stretches[HC_N
   return end;
 }
 
+/* Appends a cell of several sources, `way` and `cell` as in append_slab. */
+static int32_t append_joined(window *window, int32_t end, int32_t index, int way, int cell) {
+  stretch stretches[HC_NEIGHBOR_SOURCES];
+  int filled = 0, last = 0;
+  for (int s = 0; s < window->source_count; s++) {
+    const hc_cells *cells = window->sources[s].cells;
+    const int32_t brick = window->search->adjacent[s * window->bricks + index][way];
+    const int32_t count = brick < 0 ? 0 : cells->count[brick][cell];
+    stretches[s].begin = count == 0 ? 0 : cells->begin[brick][cell];
+    stretches[s].end = stretches[s].begin + count;
+    if (count == 0) continue;
+    filled++;
+    last = s;
+  }
+  if (filled > 1) return append_merged(window, end, stretches);
+  return filled == 0
+             ? end
+             : append(window, end, last, stretches[last].begin, stretches[last].end - stretches[last].begin);
+}
+
 /* Appends the nine cells around (x, y, z), which is relative to the target brick `index`. */
 static void append_slab(window *window, int32_t index, int x, int y, int z) {
+  const hc_cells *only = window->source_count == 1 ? window->sources[0].cells : NULL;
+  const int32_t *adjacent = window->search->adjacent[index];
   int32_t end = window->slab[3];
   for (int dz = -1; dz <= 1; dz++) {
     for (int dy = -1; dy <= 1; dy++) {
       const int way = side(x) + 3 * side(y + dy) + 9 * side(z + dz);
       const int cell = hc_cell_in_brick(inside(x), inside(y + dy), inside(z + dz));
-      stretch stretches[HC_NEIGHBOR_SOURCES];
-      int filled = 0, last = 0;
-      for (int s = 0; s < window->source_count; s++) {
-        const hc_cells *cells = window->sources[s].cells;
-        const int32_t brick = window->search->adjacent[s * window->bricks + index][way];
-        const int32_t count = brick < 0 ? 0 : cells->count[brick][cell];
-        stretches[s].begin = count == 0 ? 0 : cells->begin[brick][cell];
-        stretches[s].end = stretches[s].begin + count;
-        if (count == 0) continue;
-        filled++;
-        last = s;
+      if (!only) {
+        end = append_joined(window, end, index, way, cell);
+        continue;
       }
-      if (filled == 1)
-        end = append(window, end, last, stretches[last].begin, stretches[last].end - stretches[last].begin);
-      else if (filled > 1)
-        end = append_merged(window, end, stretches);
+      const int32_t brick = adjacent[way], count = brick < 0 ? 0 : only->count[brick][cell];
+      if (count > 0) end = append(window, end, 0, only->begin[brick][cell], count);
     }
   }
   window->slab[3] = end;
