@@ -353,8 +353,8 @@ def scenes(case, _):
 
 
 def scenes_on_ranks(case, _):
-    """Every eighth: what is wrong is found in one place, and told by another."""
-    count = all_of([(refuse_scene, case, name, 3) for name in list(SCENES)[::8]])
+    """Every fourth: what is wrong is found in one place, and told by another."""
+    count = all_of([(refuse_scene, case, name, 3) for name in list(SCENES)[::4]])
     return f"run refuses {count} broken scenes on 3 ranks"
 
 
@@ -456,7 +456,7 @@ def commands(case, _):
 
 
 def commands_on_ranks(case, _):
-    return f"{all_of([(call_badly, case, name, 3) for name in list(COMMANDS)[::2]])} bad command lines end as agreed on 3 ranks"
+    return f"{all_of([(call_badly, case, name, 3) for name in COMMANDS])} bad command lines end as agreed on 3 ranks"
 
 
 def output_taken(case, folder, ranks):
