@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { READING_SUMS = 2 }; /* the most that a reading of a gauge takes over the ranks */
+/* The most that a reading of a gauge takes over the ranks; the compiler warns of a constant index beyond. */
+enum { READING_SUMS = 2 };
 
 static int columns_of(hc_gauge_type type) {
   const char *const *const parts = hc_scene_gauge_parts(type);
@@ -159,9 +160,9 @@ typedef struct mark {
 
 /* What all readings together need of all ranks. */
 typedef struct readings {
-  hc_sum *sums;    /* READING_SUMS a gauge */
-  int64_t *fronts; /* one a gauge */
-  mark *marks;     /* ascending, once gathered */
+  hc_sum (*sums)[READING_SUMS]; /* of each gauge */
+  int64_t *fronts;              /* of each gauge */
+  mark *marks;                  /* ascending, once gathered */
   size_t mark_count, mark_room;
 } readings;
 
@@ -220,8 +221,8 @@ static double front(const hc_gauges *gauges, const hc_scene_gauge *gauge, int64_
          sign * 0.5 * gauges->scene->particle_spacing;
 }
 
-static void add_energy(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid,
-                       hc_sum sums[2]) {
+static void add_energy(const hc_gauges *gauges, int g, const hc_particles *fluid, readings *r) {
+  const hc_scene_gauge *const gauge = &gauges->scene->output.gauges[g];
   for (int32_t i = 0; i < fluid->own; i++) {
     const int64_t *position = &fluid->position[3 * (size_t)i];
     if (!hc_measure_in_box(gauge, gauges->frame, position)) continue;
@@ -229,16 +230,17 @@ static void add_energy(const hc_gauges *gauges, const hc_scene_gauge *gauge, con
     double depth = 0.0;
     for (int axis = 0; axis < 3; axis++)
       depth += gauges->scene->gravity[axis] * hc_frame_to_metres(gauges->frame, axis, position[axis]);
-    hc_sum_add(&sums[0], v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    hc_sum_add(&sums[1], depth);
+    hc_sum_add(&r->sums[g][0], v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    hc_sum_add(&r->sums[g][1], depth);
   }
 }
 
-static void add_volume(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid,
-                       hc_sum *sum) {
+static void add_volume(const hc_gauges *gauges, int g, const hc_particles *fluid, readings *r) {
+  const hc_scene_gauge *const gauge = &gauges->scene->output.gauges[g];
   for (int32_t i = 0; i < fluid->own; i++)
     if (hc_measure_in_box(gauge, gauges->frame, &fluid->position[3 * (size_t)i]))
-      hc_sum_add(sum, gauges->mass / fmax((double)fluid->density[i], gauges->scene->fluid.rest_density));
+      hc_sum_add(&r->sums[g][0],
+                 gauges->mass / fmax((double)fluid->density[i], gauges->scene->fluid.rest_density));
 }
 
 /* Everybody's marks, on every rank. */
@@ -261,11 +263,11 @@ static void take_readings(const hc_gauges *gauges, const hc_particles *fluid, re
     heights |= gauge->type == HC_GAUGE_HEIGHT;
     if (gauge->type == HC_GAUGE_HEIGHT) mark_height(gauges, g, fluid, r);
     if (gauge->type == HC_GAUGE_FRONT) r->fronts[g] = find_front(gauges, gauge, fluid);
-    if (gauge->type == HC_GAUGE_ENERGY) add_energy(gauges, gauge, fluid, &r->sums[READING_SUMS * g]);
-    if (gauge->type == HC_GAUGE_VOLUME) add_volume(gauges, gauge, fluid, &r->sums[READING_SUMS * g]);
+    if (gauge->type == HC_GAUGE_ENERGY) add_energy(gauges, g, fluid, r);
+    if (gauge->type == HC_GAUGE_VOLUME) add_volume(gauges, g, fluid, r);
   }
   hc_tally tally = {.count = 0};
-  hc_tally_sum_exact(&tally, r->sums, READING_SUMS * count);
+  hc_tally_sum_exact(&tally, *r->sums, READING_SUMS * count);
   hc_tally_max_i64(&tally, r->fronts, count);
   hc_tally_reduce(gauges->comm, &tally);
   if (heights) gather_marks(gauges->comm, r);
@@ -283,11 +285,11 @@ static void tell(hc_gauges *gauges, int g, const readings *r, double *values) {
     values[0] = front(gauges, gauge, r->fronts[g]);
     break;
   case HC_GAUGE_ENERGY:
-    values[0] = 0.5 * gauges->mass * hc_sum_value(&r->sums[READING_SUMS * g]);
-    values[1] = -gauges->mass * hc_sum_value(&r->sums[READING_SUMS * g + 1]);
+    values[0] = 0.5 * gauges->mass * hc_sum_value(&r->sums[g][0]);
+    values[1] = -gauges->mass * hc_sum_value(&r->sums[g][1]);
     break;
   case HC_GAUGE_VOLUME:
-    values[0] = hc_sum_value(&r->sums[READING_SUMS * g]);
+    values[0] = hc_sum_value(&r->sums[g][0]);
     break;
   case HC_GAUGE_PRESSURE:
   case HC_GAUGE_FLOW:
@@ -301,7 +303,7 @@ static void tell(hc_gauges *gauges, int g, const readings *r, double *values) {
 
 void hc_gauges_read(hc_gauges *gauges, const hc_particles *fluid, double *values) {
   const int count = gauges->scene->output.gauge_count;
-  readings r = {.sums = hc_alloc_zero(READING_SUMS * (size_t)count, sizeof *r.sums),
+  readings r = {.sums = hc_alloc_zero((size_t)count, sizeof *r.sums),
                 .fronts = hc_alloc_zero((size_t)count, sizeof *r.fronts)};
   take_readings(gauges, fluid, &r);
   for (int g = 0; g < count; g++) {

@@ -73,6 +73,7 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
   const hc_float volume = hc_set(sweep->volume);
   const bool walls_take_part =
       walls_are != NO_WALLS && sweep->walls_add == HC_WALLS_MIRRORED; /* else no volumes */
+  if (walls_take_part) EXPECT_FIELD(fluid, wall_gradient);
   block_vectors changes;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);

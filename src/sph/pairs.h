@@ -67,6 +67,10 @@ HC_INLINE void expect_walls(const hc_sweep *sweep) {
            "a sweep reads walls that are being refreshed");
 }
 
+/* A run has only the fields that its solver's and boundary method's features name. */
+#define EXPECT_FIELD(particles, field)                                                                       \
+  HC_CHECK((particles)->field, "a sweep needs the field " #field ", which no feature of the run names")
+
 HC_INLINE self make_self(const hc_sweep *sweep, const hc_record *place) {
   return (self){hc_set_int(place->x[0]), hc_set_int(place->x[1]), hc_set_int(place->x[2]),
                 hc_set(sweep->scale[0]), hc_set(sweep->scale[1]), hc_set(sweep->scale[2])};

@@ -96,6 +96,7 @@ HC_INLINE void sum_wall_densities(const hc_sweep *sweep, const hc_prediction *pr
     for (int32_t k = 0; k < count; k++) share[k] = sweep->kernel * sweep->volume * sums.total[k];
     break;
   case HC_WALLS_DISTANCE:
+    EXPECT_FIELD(sweep->boundary, facing);
     sum_planes(sweep, sweep->boundary->facing, true, 1.0f, selection, first, count, &planes);
     for (int32_t k = 0; k < count; k++)
       share[k] = planes.weight.total[k] > 0.0f
@@ -156,6 +157,7 @@ void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_predicti
                                         hc_particles *boundary, const hc_neighbors *list,
                                         hc_selection selection) {
   expect_ready(sweep->fluid, HC_WHOLE(place), boundary, selection);
+  EXPECT_FIELD(boundary, boundary_share);
   block_sums kernels;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
@@ -206,6 +208,8 @@ void HC_ISA_SYMBOL(hc_push)(const hc_sweep *sweep, const hc_prediction *predicti
   const float weight = -prediction->dt * sweep->volume * sweep->gradient;
   expect_ready(fluid, HC_WHOLE(place) | HC_SCALAR(place), fluid, selection);
   expect_walls(sweep);
+  EXPECT_FIELD(fluid, push);
+  if (sweep->walls_add == HC_WALLS_MIRRORED) EXPECT_FIELD(fluid, wall_gradient);
   block_vectors pushes, walls;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
@@ -235,6 +239,7 @@ void HC_ISA_SYMBOL(hc_contacts)(const hc_sweep *sweep, hc_contact_rule rule, hc_
   const bool plane = rule == HC_CONTACT_DISTANCE;
   const float steepness = plane ? 1.0f : sweep->support / sweep->reach;
   expect_walls(sweep);
+  EXPECT_FIELD(sweep->boundary, facing);
   block_planes planes;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);

@@ -27,10 +27,19 @@ HC_INLINE void sum_wall_rates(const hc_sweep *sweep, hc_selection selection, int
   add_up(rates, count);
 }
 
+/* What walls add to. */
+static void expect_wall_fields(const hc_sweep *sweep) {
+  EXPECT_FIELD(sweep->fluid, wall_gradient);
+  EXPECT_FIELD(sweep->fluid, wall_density);
+  if (sweep->walls_move) EXPECT_FIELD(sweep->fluid, wall_rate);
+}
+
 static void density(const hc_sweep *sweep, hc_selection selection) {
   expect_ready(sweep->fluid, HC_WHOLE(place) | HC_WHOLE(motion), sweep->fluid, selection);
   expect_walls(sweep);
+  expect_wall_fields(sweep);
   hc_particles *fluid = sweep->fluid;
+  EXPECT_FIELD(fluid, alpha);
   const float smallest = 1e-5f / (sweep->support * sweep->support);
   const float weight = sweep->volume * sweep->gradient;
   block_sums densities, squares, rates, wall_densities, wall_rates;
@@ -95,6 +104,7 @@ static void density(const hc_sweep *sweep, hc_selection selection) {
 
 static void wall_sums(const hc_sweep *sweep, hc_selection selection) {
   expect_walls(sweep);
+  expect_wall_fields(sweep);
   block_sums densities, rates;
   block_vectors gradients;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
@@ -119,6 +129,8 @@ static void error(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection
                   hc_error_total *total) {
   const hc_particles *fluid = sweep->fluid;
   expect_ready(fluid, HC_WHOLE(place) | HC_WHOLE(motion), fluid, selection);
+  expect_wall_fields(sweep);
+  EXPECT_FIELD(fluid, alpha);
   const float weight = sweep->volume * sweep->gradient;
   const float per_density = 1.0f / sweep->rest_density;
   block_sums rates;
@@ -158,6 +170,7 @@ static void pressure(const hc_sweep *sweep, float weight, float *multiplier, hc_
   hc_particles *fluid = sweep->fluid;
   const float pair_weight = weight * sweep->volume * sweep->gradient;
   expect_ready(fluid, HC_WHOLE(place) | HC_SCALAR(place), fluid, selection);
+  EXPECT_FIELD(fluid, wall_gradient);
   block_vectors changes;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
@@ -181,6 +194,7 @@ static void pressure(const hc_sweep *sweep, float weight, float *multiplier, hc_
 static void boundary_volume(const hc_sweep *sweep, hc_particles *boundary, const hc_neighbors *list,
                             float factor) {
   expect_ready(boundary, HC_WHOLE(place), boundary, hc_select_all(boundary));
+  EXPECT_FIELD(boundary, volume);
   block_sums kernels;
   for (int32_t first = 0; first < boundary->own; first += BLOCK) {
     const int32_t count = block_size(first, boundary->own);

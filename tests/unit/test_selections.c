@@ -472,6 +472,40 @@ START_TEST(no_sweep_reads_walls_that_are_under_way) {
 }
 END_TEST
 
+/* A run has only the fields that its features name. */
+START_TEST(no_sweep_takes_a_field_that_is_not_there) {
+  static bench b;
+  bench_init(&b);
+  fill_values(&b);
+  hc_particles *const fluid = &b.s.fluid, *const boundary = &b.s.boundary;
+  const struct {
+    sweep_id id;
+    void **field;
+  } needs[] = {{DENSITY, (void **)&fluid->alpha},
+               {DENSITY, (void **)&fluid->wall_gradient},
+               {DENSITY, (void **)&fluid->wall_density},
+               {WALL_SUMS, (void **)&fluid->wall_gradient},
+               {WALL_SUMS, (void **)&fluid->wall_density},
+               {ERROR, (void **)&fluid->alpha},
+               {ERROR, (void **)&fluid->wall_gradient},
+               {PRESSURE, (void **)&fluid->wall_gradient},
+               {LAMINAR, (void **)&fluid->wall_gradient},
+               {BOUNDARY_DENSITY, (void **)&boundary->boundary_share},
+               {PUSH, (void **)&fluid->push},
+               {CONTACTS, (void **)&boundary->facing},
+               {PLANE_CONTACTS, (void **)&boundary->facing}};
+  for (size_t k = 0; k < sizeof needs / sizeof *needs; k++) {
+    void *const kept = *needs[k].field;
+    const hc_selection all = hc_select_all(targets_of(&b, needs[k].id));
+    ck_assert(!ends_program(&b, hc_isa_best(), needs[k].id, all));
+    *needs[k].field = NULL;
+    ck_assert_msg(ends_program(&b, hc_isa_best(), needs[k].id, all), "row %zu", k);
+    *needs[k].field = kept;
+  }
+  setting_free(&b.s);
+}
+END_TEST
+
 int main(void) {
   Suite *const suite = suite_create("selections");
   TCase *const cases = tcase_create("selections");
@@ -482,6 +516,7 @@ int main(void) {
   tcase_add_test(cases, parts_of_a_selection_meet_at_the_border);
   tcase_add_test(cases, no_sweep_reads_what_is_under_way);
   tcase_add_test(cases, no_sweep_reads_walls_that_are_under_way);
+  tcase_add_test(cases, no_sweep_takes_a_field_that_is_not_there);
   suite_add_tcase(suite, cases);
   SRunner *const runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);
