@@ -15,7 +15,7 @@
 
 /* Bytes; see the head of estimate.h. */
 enum {
-  READING_MESHES = 10 << 20, /* that Assimp keeps */
+  READING_MESHES = 8 << 20, /* that Assimp keeps */
   WRITING = 30,
   WRITING_SLICE = 65536, /* particles */
   STEP_ROWS = 200,       /* of a step in steps.csv and load.csv */

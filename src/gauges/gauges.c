@@ -60,16 +60,18 @@ static int sums_of(const hc_gauges *gauges, int g) {
 }
 
 void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
-                    double mass) {
+                    const hc_movers *movers, double mass) {
   const int count = scene->output.gauge_count;
   *gauges = (hc_gauges){.scene = scene,
                         .frame = frame,
+                        .movers = movers,
                         .comm = comm,
                         .state = hc_alloc_zero((size_t)count, sizeof(hc_gauge_state)),
                         .mass = mass};
   for (int g = 0; g < count; g++) {
     const hc_scene_gauge *gauge = &scene->output.gauges[g];
     gauges->state[g].wall = find_wall(scene, gauge->wall);
+    hc_measure_stand(scene, gauge, gauges->state[g].at, gauges->state[g].direction);
     gauges->state[g].first_sum = gauges->sum_count;
     gauges->sum_count += sums_of(gauges, g);
   }
@@ -111,10 +113,11 @@ static void add_step(hc_gauges *gauges, int g, const hc_sum *sums, double dt) {
     break;
   case HC_GAUGE_PRESSURE:
     if (pushes_wall(gauges, g)) {
-      int sign;
-      const int axis = hc_measure_axis(&gauges->scene->output.gauges[g], &sign);
-      const double push = axis >= 0 ? sign * value[axis]
-                                    : sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
+      const double *const d = state->direction;
+      const double along = value[0] * d[0] + value[1] * d[1] + value[2] * d[2];
+      const double push = d[0] != 0.0 || d[1] != 0.0 || d[2] != 0.0
+                              ? along
+                              : sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
       if (state->area > 0.0) state->integral[0] += dt * (push / state->area);
     } else if (value[1] > 0.0) {
       state->integral[0] += dt * (value[0] / value[1]);
@@ -128,6 +131,13 @@ static void add_step(hc_gauges *gauges, int g, const hc_sum *sums, double dt) {
   }
 }
 
+/* Puts a gauge where its wall has taken it; `ahead`, s, later. */
+static void stand_on_wall(hc_gauges *gauges, int g, double ahead) {
+  hc_gauge_state *const state = &gauges->state[g];
+  hc_measure_stand(gauges->scene, &gauges->scene->output.gauges[g], state->at, state->direction);
+  hc_movers_carry(gauges->movers, state->wall, ahead, state->at, state->direction);
+}
+
 void hc_gauges_note(hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_tally *tally) {
   const hc_scene *scene = gauges->scene;
   bool pushed = false;
@@ -135,6 +145,7 @@ void hc_gauges_note(hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_tall
   for (int g = 0; g < scene->output.gauge_count; g++) {
     const hc_scene_gauge *gauge = &scene->output.gauges[g];
     hc_sum *own = gauges->sums + gauges->state[g].first_sum;
+    if (pushes_wall(gauges, g)) stand_on_wall(gauges, g, sweep->contacts ? dt : 0.0);
     pushed |= pushes_wall(gauges, g);
     if (gauge->type == HC_GAUGE_PRESSURE && !pushes_wall(gauges, g))
       hc_measure_point_pressure(gauges, gauge, sweep->fluid, own);
@@ -153,15 +164,16 @@ void hc_gauges_step(hc_gauges *gauges, double dt) {
 
 /* ---- readings of the moment ---- */
 
-/* A particle near a height gauge's line. */
+/* A particle near a height gauge's line: how far along it. */
 typedef struct mark {
-  int64_t gauge, z;
+  int64_t gauge;
+  double along; /* m */
 } mark;
 
 /* What all readings together need of all ranks. */
 typedef struct readings {
   hc_sum (*sums)[READING_SUMS]; /* of each gauge */
-  int64_t *fronts;              /* of each gauge */
+  double *fronts;               /* of each gauge, along its axis, m; -INFINITY: no water */
   mark *marks;                  /* ascending, once gathered */
   size_t mark_count, mark_room;
 } readings;
@@ -169,20 +181,21 @@ typedef struct readings {
 static int ascending(const void *a, const void *b) {
   const mark *p = a, *q = b;
   if (p->gauge != q->gauge) return p->gauge < q->gauge ? -1 : 1;
-  return (p->z > q->z) - (p->z < q->z);
+  return (p->along > q->along) - (p->along < q->along);
 }
 
 /* Particles within a spacing of the line. */
 static void mark_height(const hc_gauges *gauges, int g, const hc_particles *fluid, readings *r) {
-  const double spacing = gauges->scene->particle_spacing;
-  const hc_point at = hc_measure_point(gauges->frame, gauges->scene->output.gauges[g].at);
+  const double spacing = gauges->scene->particle_spacing, *const d = gauges->state[g].direction;
+  const hc_point at = hc_measure_point(gauges->frame, gauges->state[g].at);
   for (int32_t i = 0; i < fluid->own; i++) {
-    const int64_t *position = &fluid->position[3 * (size_t)i];
-    double offset[3];
-    hc_measure_offset(gauges->frame, position, &at, offset);
-    if (offset[0] * offset[0] + offset[1] * offset[1] > spacing * spacing) continue;
+    double offset[3], beside = 0.0;
+    hc_measure_offset(gauges->frame, &fluid->position[3 * (size_t)i], &at, offset);
+    const double along = offset[0] * d[0] + offset[1] * d[1] + offset[2] * d[2];
+    for (int a = 0; a < 3; a++) beside += (offset[a] - along * d[a]) * (offset[a] - along * d[a]);
+    if (beside > spacing * spacing) continue;
     hc_reserve((void **)&r->marks, &r->mark_room, r->mark_count + 1, r->mark_count, sizeof *r->marks);
-    r->marks[r->mark_count++] = (mark){g, position[2]};
+    r->marks[r->mark_count++] = (mark){g, along};
   }
 }
 
@@ -193,43 +206,37 @@ static double height(const hc_gauges *gauges, int g, const readings *r) {
   bool first = true;
   for (size_t k = 0; k < r->mark_count; k++) {
     if (r->marks[k].gauge != g) continue;
-    const double gap =
-        first ? INFINITY : (double)(r->marks[k].z - r->marks[k - 1].z) * gauges->frame->unit[2];
+    const double gap = first ? INFINITY : r->marks[k].along - r->marks[k - 1].along;
     wet += gap <= 1.5 * spacing ? gap : spacing;
     first = false;
   }
   return wet;
 }
 
-static int64_t find_front(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid) {
+static double find_front(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid) {
   int sign;
   const int axis = hc_measure_axis(gauge, &sign);
-  int64_t farthest = INT64_MIN;
-  for (int32_t i = 0; i < fluid->own; i++) {
-    const int64_t *position = &fluid->position[3 * (size_t)i];
-    if (sign * position[axis] > farthest && hc_measure_in_box(gauge, gauges->frame, position))
-      farthest = sign * position[axis];
-  }
+  double farthest = -INFINITY, x[3];
+  for (int32_t i = 0; i < fluid->own; i++)
+    if (hc_measure_in_box(gauge, gauges->frame, &fluid->position[3 * (size_t)i], x))
+      farthest = fmax(farthest, sign * x[axis]);
   return farthest;
 }
 
-static double front(const hc_gauges *gauges, const hc_scene_gauge *gauge, int64_t farthest) {
+static double front(const hc_gauges *gauges, const hc_scene_gauge *gauge, double farthest) {
   int sign;
-  const int axis = hc_measure_axis(gauge, &sign);
-  if (farthest == INT64_MIN) return NAN;
-  return hc_frame_to_metres(gauges->frame, axis, sign * farthest) +
-         sign * 0.5 * gauges->scene->particle_spacing;
+  hc_measure_axis(gauge, &sign);
+  return farthest == -INFINITY ? NAN : sign * (farthest + 0.5 * gauges->scene->particle_spacing);
 }
 
 static void add_energy(const hc_gauges *gauges, int g, const hc_particles *fluid, readings *r) {
   const hc_scene_gauge *const gauge = &gauges->scene->output.gauges[g];
   for (int32_t i = 0; i < fluid->own; i++) {
     const int64_t *position = &fluid->position[3 * (size_t)i];
-    if (!hc_measure_in_box(gauge, gauges->frame, position)) continue;
+    double x[3], depth = 0.0;
+    if (!hc_measure_in_box(gauge, gauges->frame, position, x)) continue;
     const double *v = &fluid->velocity[3 * (size_t)i];
-    double depth = 0.0;
-    for (int axis = 0; axis < 3; axis++)
-      depth += gauges->scene->gravity[axis] * hc_frame_to_metres(gauges->frame, axis, position[axis]);
+    for (int axis = 0; axis < 3; axis++) depth += gauges->scene->gravity[axis] * x[axis];
     hc_sum_add(&r->sums[g][0], v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     hc_sum_add(&r->sums[g][1], depth);
   }
@@ -237,8 +244,9 @@ static void add_energy(const hc_gauges *gauges, int g, const hc_particles *fluid
 
 static void add_volume(const hc_gauges *gauges, int g, const hc_particles *fluid, readings *r) {
   const hc_scene_gauge *const gauge = &gauges->scene->output.gauges[g];
+  double x[3];
   for (int32_t i = 0; i < fluid->own; i++)
-    if (hc_measure_in_box(gauge, gauges->frame, &fluid->position[3 * (size_t)i]))
+    if (hc_measure_in_box(gauge, gauges->frame, &fluid->position[3 * (size_t)i], x))
       hc_sum_add(&r->sums[g][0],
                  gauges->mass / fmax((double)fluid->density[i], gauges->scene->fluid.rest_density));
 }
@@ -268,7 +276,7 @@ static void take_readings(const hc_gauges *gauges, const hc_particles *fluid, re
   }
   hc_tally tally = {.count = 0};
   hc_tally_sum_exact(&tally, *r->sums, READING_SUMS * count);
-  hc_tally_max_i64(&tally, r->fronts, count);
+  hc_tally_max_f64(&tally, r->fronts, count);
   hc_tally_reduce(gauges->comm, &tally);
   if (heights) gather_marks(gauges->comm, r);
 }

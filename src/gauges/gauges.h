@@ -1,16 +1,19 @@
 /* Gauges: what a run measures on its particles, exact across ranks.
  *
- * - height: depth of water along a vertical line, the length that is wet; gaps of up to 1.5 spacings closed.
+ * - height: depth of water along a line, against gravity or along an axis, the length that is wet; gaps of up
+ *   to 1.5 spacings closed.
  * - front: farthest water along an axis, half a spacing beyond the last particle; nan where there is none.
  * - pressure: at a point in the fluid, the kernel's weighted mean of the particles around. With a wall: the
  *   push on the wall's samples around the point over their area, which is exact in the mean where the
  *   pressures of the layer next to a wall are not. With an axis too: only the samples of the face through the
  *   point count, and only the push along the axis.
- *   Point and area stay where the scene puts them, also if the wall moves on.
+ *   Where the wall moves, point and face go with it, and so does the point of a force's moment.
  * - flow: volume per time through a rectangle, counted particle by particle.
  * - force: pressure force and its moment on a wall; viscous drag is not included.
  * - energy: kinetic and potential.
  * - volume: sum of m/max(rho, rho0), what compression takes away.
+ *
+ * Boxes, rectangles and what is around a point are found through periodic images.
  *
  * Pressure, flow and force are means over the time since the last reading, step by step, so that no impulse
  * falls between two readings; the others are of the moment. All sums are exact, extremes need no order: the
@@ -21,9 +24,9 @@
 #include "comm/tally.h"
 #include "measures.h"
 
-/* Sets up the scene's gauges; scene and frame stay in use. Local. */
+/* Sets up the scene's gauges; scene, frame and movers stay in use. Local. */
 void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
-                    double mass);
+                    const hc_movers *movers, double mass);
 void hc_gauges_free(hc_gauges *gauges);
 
 /* Finds the samples of the walls that are measured, before the first step or reading. Boundary particles must
@@ -36,7 +39,8 @@ int hc_gauges_columns(const hc_scene *scene);
 void hc_gauges_column_name(const hc_scene *scene, int column, char *name, size_t size);
 
 /* In each step, behind its move: notes in the tally what is averaged. `sweep` still has the places and wall
- * lists that the step worked with, positions are those after it. Local. */
+ * lists that the step worked with, positions are those after it, and movers stand where they stood as it
+ * began. Local. */
 void hc_gauges_note(hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_tally *tally);
 
 /* Once that is reduced, and the step counts: adds it to the averages. Local. */

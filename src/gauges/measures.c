@@ -29,10 +29,26 @@ void hc_measure_offset(const hc_frame *frame, const int64_t position[3], const h
   }
 }
 
-bool hc_measure_in_box(const hc_scene_gauge *gauge, const hc_frame *frame, const int64_t position[3]) {
+/* A length along an axis within [0, period), where it repeats. */
+static double wrap(const hc_frame *frame, int axis, double metres) {
+  const double period = (double)frame->period[axis] * frame->unit[axis];
+  return period > 0.0 ? metres - period * floor(metres / period) : metres;
+}
+
+/* A box's edge covers a whole period. */
+static bool is_whole(const hc_frame *frame, int axis, double edge) {
+  const double period = (double)frame->period[axis] * frame->unit[axis];
+  return period > 0.0 && edge >= (1.0 - 1e-9) * period;
+}
+
+bool hc_measure_in_box(const hc_scene_gauge *gauge, const hc_frame *frame, const int64_t position[3],
+                       double x[3]) {
   for (int axis = 0; axis < 3; axis++) {
-    const double x = hc_frame_to_metres(frame, axis, position[axis]);
-    if (!(x >= gauge->box.min[axis] && x <= gauge->box.max[axis])) return false;
+    const double low = gauge->box.min[axis], edge = gauge->box.max[axis] - low;
+    x[axis] = hc_frame_to_metres(frame, axis, position[axis]);
+    if (is_whole(frame, axis, edge)) continue;
+    if (frame->period[axis] > 0) x[axis] = low + wrap(frame, axis, x[axis] - low);
+    if (!(x[axis] >= low && x[axis] <= gauge->box.max[axis])) return false;
   }
   return true;
 }
@@ -60,26 +76,42 @@ int hc_measure_axis(const hc_scene_gauge *gauge, int *sign) {
   return -1;
 }
 
-/* The weight of a wall's sample, `offset` from the gauge's point: those of a face lie half a spacing behind
- * it. */
-static double patch_weight(const hc_gauges *gauges, const hc_scene_gauge *gauge, const double offset[3]) {
+void hc_measure_stand(const hc_scene *scene, const hc_scene_gauge *gauge, double at[3], double direction[3]) {
   int sign;
   const int axis = hc_measure_axis(gauge, &sign);
-  if (axis >= 0 && fabs(offset[axis]) > 0.75 * gauges->scene->particle_spacing) return 0.0;
+  for (int a = 0; a < 3; a++) {
+    at[a] = gauge->at[a];
+    direction[a] = a == axis ? sign : 0.0;
+  }
+  if (axis >= 0 || gauge->type != HC_GAUGE_HEIGHT) return;
+  const double gravity = length(scene->gravity);
+  direction[2] = 1.0;
+  for (int a = 0; a < 3 && gravity > 0.0; a++) direction[a] = -scene->gravity[a] / gravity;
+}
+
+static double dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* The weight of a wall's sample, `offset` from the gauge's point: those of a face lie half a spacing behind
+ * it. */
+static double patch_weight(const hc_gauges *gauges, const double direction[3], const double offset[3]) {
+  if (fabs(dot(offset, direction)) > 0.75 * gauges->scene->particle_spacing) return 0.0;
   return hc_kernel_shape(length(offset) / gauges->frame->support_radius);
 }
 
 /* Those that stand still, or those that move: these are measured where the scene puts them. */
 static void add_area(const hc_gauges *gauges, int number, const hc_particles *boundary, hc_sum *sum) {
   const double spacing = gauges->scene->particle_spacing;
-  const hc_scene_gauge *gauge = &gauges->scene->output.gauges[number];
-  const hc_point at = hc_measure_point(gauges->frame, gauge->at);
+  double stand[3], direction[3];
+  hc_measure_stand(gauges->scene, &gauges->scene->output.gauges[number], stand, direction);
+  const hc_point at = hc_measure_point(gauges->frame, stand);
   const int64_t *places = boundary->reference ? boundary->reference : boundary->position;
   for (int32_t k = 0; k < boundary->own; k++) {
     if ((int)boundary->motion[k].scalar != gauges->state[number].wall) continue;
     double offset[3];
     hc_measure_offset(gauges->frame, &places[3 * (size_t)k], &at, offset);
-    hc_sum_add(sum, spacing * spacing * patch_weight(gauges, gauge, offset));
+    hc_sum_add(sum, spacing * spacing * patch_weight(gauges, direction, offset));
   }
 }
 
@@ -104,8 +136,10 @@ int64_t hc_measure_crossings(const hc_gauges *gauges, const hc_scene_gauge *gaug
     const double back = after / (after - before); /* share of the step since the crossing */
     bool within = true;
     for (int axis = 0; axis < 3; axis++) {
-      const double at = offset[axis] - back * dt * velocity[axis];
-      within &= axis == normal || (at >= 0.0 && at < gauge->box.max[axis] - gauge->box.min[axis]);
+      const double edge = gauge->box.max[axis] - gauge->box.min[axis];
+      if (axis == normal || is_whole(frame, axis, edge)) continue;
+      const double at = wrap(frame, axis, offset[axis] - back * dt * velocity[axis]);
+      within &= at >= 0.0 && at < edge;
     }
     if (within) crossings += after >= 0.0 ? sign : -sign;
   }
@@ -127,11 +161,16 @@ static void add_push(void *context, const hc_wall_push *push) {
     const hc_scene_gauge *gauge = &scene->output.gauges[g];
     if (gauges->state[g].wall != push->wall) continue;
     hc_sum *to = taking->sums + gauges->state[g].first_sum;
+    const hc_gauge_state *const state = &gauges->state[g];
     double arm[3];
-    for (int axis = 0; axis < 3; axis++) arm[axis] = push->at[axis] - gauge->at[axis];
+    for (int axis = 0; axis < 3; axis++) { /* to the nearest image */
+      const double period = (double)gauges->frame->period[axis] * gauges->frame->unit[axis];
+      arm[axis] = push->at[axis] - state->at[axis];
+      if (period > 0.0) arm[axis] -= period * rint(arm[axis] / period);
+    }
     const double *f = push->force;
     const bool force = gauge->type == HC_GAUGE_FORCE;
-    const double weight = force ? 1.0 : patch_weight(gauges, gauge, arm);
+    const double weight = force ? 1.0 : patch_weight(gauges, state->direction, arm);
     if (weight == 0.0) continue;
     for (int axis = 0; axis < 3; axis++) {
       hc_sum_add(&to[axis], weight * f[axis]);

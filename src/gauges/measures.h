@@ -3,6 +3,7 @@
 #define HC_MEASURES_H
 
 #include "comm/comm.h"
+#include "rigid/movers.h"
 #include "scene/scene.h"
 #include "space/frame.h"
 #include "sph/sweeps.h"
@@ -13,13 +14,16 @@ enum { HC_GAUGE_COLUMNS = 6 }; /* the most that one gauge has */
 typedef struct hc_gauge_state {
   double integral[HC_GAUGE_COLUMNS]; /* of what is averaged, over the time since the last reading */
   double area;                       /* pressure on a wall: weighted area of the samples around, m2 */
-  int wall;                          /* the wall's number; -1: none */
-  int first_sum;                     /* of a step's sums */
+  double at[3], direction[3]; /* the gauge's point, m, and its direction, of unit length, 0 if it has none:
+                                 with its wall, where that has gone */
+  int wall;                   /* the wall's number; -1: none */
+  int first_sum;              /* of a step's sums */
 } hc_gauge_state;
 
 typedef struct hc_gauges {
-  const hc_scene *scene; /* the caller's */
-  const hc_frame *frame; /* the caller's */
+  const hc_scene *scene;   /* the caller's */
+  const hc_frame *frame;   /* the caller's */
+  const hc_movers *movers; /* the caller's */
   hc_comm *comm;
   hc_gauge_state *state; /* one for each of scene->output.gauges */
   double mass;           /* kg, of a fluid particle */
@@ -39,8 +43,10 @@ hc_point hc_measure_point(const hc_frame *frame, const double metres[3]);
 void hc_measure_offset(const hc_frame *frame, const int64_t position[3], const hc_point *point,
                        double offset[3]);
 
-/* Is a particle within the gauge's box? True without a box. */
-bool hc_measure_in_box(const hc_scene_gauge *gauge, const hc_frame *frame, const int64_t position[3]);
+/* Is a particle within the gauge's box, or a periodic image of it, which is then at x, m? True without a box.
+ */
+bool hc_measure_in_box(const hc_scene_gauge *gauge, const hc_frame *frame, const int64_t position[3],
+                       double x[3]);
 
 /* sum p W and sum W over the fluid around the gauge's point. */
 void hc_measure_point_pressure(const hc_gauges *gauges, const hc_scene_gauge *gauge,
@@ -49,12 +55,16 @@ void hc_measure_point_pressure(const hc_gauges *gauges, const hc_scene_gauge *ga
 /* The axis of a gauge, 0 to 2, and which way along it, 1 or -1; the axis is -1 without one. */
 int hc_measure_axis(const hc_scene_gauge *gauge, int *sign);
 
-/* Weighted area of the wall's samples around the gauge's point, m2; of the store and of the one joined to it.
- */
+/* Where the scene puts a gauge's point, m, and its direction, of unit length: that of its axis; of a height
+ * without one against gravity, +z without gravity; else 0. */
+void hc_measure_stand(const hc_scene *scene, const hc_scene_gauge *gauge, double at[3], double direction[3]);
+
+/* Weighted area of the wall's samples around the gauge's point, m2, where the scene puts both; of the store
+ * and of the one joined to it. */
 void hc_measure_patch_area(const hc_gauges *gauges, int number, const hc_particles *boundary, hc_sum *sum);
 
-/* Particles that crossed the gauge's rectangle in the step that has brought them here, along its axis less
- * against it. */
+/* Particles that crossed the gauge's rectangle or a periodic image of it in the step that has brought them
+ * here, along its axis less against it. */
 int64_t hc_measure_crossings(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid,
                              double dt);
 

@@ -15,11 +15,7 @@
 /* Is one of the multiples of `every` in (before, now]? A function of the two times alone, so that a restart
  * need not remember what was due. */
 static bool passes_multiple(double every, double before, double now) {
-  if (now - before >= every) return true; /* and below there are no more multiples than steps */
-  double k = floor(before / every);
-  while (every * k <= before) k += 1.0;
-  while (k > 0.0 && every * (k - 1.0) > before) k -= 1.0;
-  return every * k <= now;
+  return hc_time_step_multiples(every, now) > hc_time_step_multiples(every, before);
 }
 
 static bool snapshot_due(const hc_job *job, double before) {
@@ -331,7 +327,7 @@ static hc_status run_steps(hc_job *job, hc_error *error) {
   judge_load(job);
   done done = {.taken_back = false};
   bool last = hc_job_is_over(job);
-  int owed = hc_control_may_go_back(&simulation->control) ? 2 : 1;
+  int owed = simulation->rollback.most == 2 ? 2 : 1;
   while (!last) {
     if (step_and_report(job, &done, error) != HC_OK) return error->status;
     if (done.taken_back) continue;
@@ -392,7 +388,8 @@ static void run_scene(hc_job *job, hc_scene *scene, hc_error *error) {
     if (error->status != HC_OK) return;
   }
   if (hc_simulation_prepare(simulation, job->comm, job->scene, error) != HC_OK) return;
-  hc_gauges_init(&job->gauges, job->comm, job->scene, &simulation->world.frame, simulation->world.mass);
+  hc_gauges_init(&job->gauges, job->comm, job->scene, &simulation->world.frame, &simulation->movers,
+                 simulation->world.mass);
   job->gauge_values = hc_alloc((size_t)hc_gauges_columns(job->scene), sizeof *job->gauge_values);
   hc_job_register(job);
   if (fill(job, error) == HC_OK) {

@@ -105,18 +105,37 @@ void hc_movers_start(hc_particles *moving) {
   memcpy(moving->reference_normal, moving->normal, 3 * (size_t)moving->own * sizeof *moving->normal);
 }
 
-/* The velocity of a sample: v + spin x (where its arm points now). */
+/* What is at that arm, as it points now, has the velocity v + spin x arm. */
+static void velocity_at(const hc_pose *pose, const double arm[3], double velocity[3]) {
+  for (int a = 0; a < 3; a++) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;
+    velocity[a] = pose->velocity[a] + (pose->spin[b] * arm[c] - pose->spin[c] * arm[b]);
+  }
+}
+
 static void drive(const hc_frame *frame, const hc_motion *motion, const hc_pose *pose, hc_particles *boundary,
                   int32_t k) {
-  double arm[3], added[3];
+  double arm[3], added[3], velocity[3];
   arm_of(frame, motion, &boundary->reference[3 * (size_t)k], arm);
   turned(pose, arm, added);
   for (int a = 0; a < 3; a++) arm[a] += added[a];
-  for (int a = 0; a < 3; a++) {
-    const int b = (a + 1) % 3, c = (a + 2) % 3;
-    boundary->wall_velocity[3 * (size_t)k + (size_t)a] =
-        (float)(pose->velocity[a] + (pose->spin[b] * arm[c] - pose->spin[c] * arm[b]));
-  }
+  velocity_at(pose, arm, velocity);
+  for (int a = 0; a < 3; a++) boundary->wall_velocity[3 * (size_t)k + (size_t)a] = (float)velocity[a];
+}
+
+void hc_movers_carry(const hc_movers *movers, int wall, double ahead, double x[3], double direction[3]) {
+  const int found = find(movers, wall);
+  if (found < 0) return;
+  const hc_pose *const pose = &movers->poses[found];
+  const double *const centre = movers->walls[found].motion.centre;
+  double arm[3], added[3], velocity[3];
+  for (int a = 0; a < 3; a++) arm[a] = x[a] - centre[a];
+  turned(pose, arm, added);
+  for (int a = 0; a < 3; a++) arm[a] += added[a];
+  velocity_at(pose, arm, velocity);
+  for (int a = 0; a < 3; a++) x[a] = centre[a] + arm[a] + pose->shift[a] + ahead * velocity[a];
+  turned(pose, direction, added);
+  for (int a = 0; a < 3; a++) direction[a] += added[a];
 }
 
 void hc_movers_place(const hc_movers *movers, const hc_frame *frame, hc_particles *moving) {

@@ -44,6 +44,11 @@ void hc_movers_start(hc_particles *moving);
 /* Puts own moving samples where the poses say: position, normal, velocity. Local. */
 void hc_movers_place(const hc_movers *movers, const hc_frame *frame, hc_particles *moving);
 
+/* Where a point that the scene puts on a wall has gone with it, m, and how a direction has turned, by the
+ * poses there are; `ahead`, s, later at the velocity that it has. Both stay if the wall stands still. Local.
+ */
+void hc_movers_carry(const hc_movers *movers, int wall, double ahead, double x[3], double direction[3]);
+
 /* Finds the poses of a time, s, and places the world's moving samples by them; `held`: as if they stood
  * still. `speed` is then that of the time and of `ahead` later. The next hc_world_place brings cells and
  * ghosts in line. Does nothing if these are the poses there are. Collective. */

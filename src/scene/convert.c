@@ -277,5 +277,6 @@ bool hc_convert(const hc_conversion *c) {
                                                   : "numbers");
   bool good = true;
   for (int k = 0; k < c->node->count; k++) good &= convert_component(c, c->node->items[k], k, member);
+  for (int k = c->node->count; k < length; k++) ((double *)member)[k] = NAN;
   return good;
 }

@@ -75,10 +75,20 @@ static void check_support(hc_scene *scene, const hc_given *given, hc_complaints 
                       "particle_spacing must be 1e-9 to 1e9, not %s", seen);
     return;
   }
-  if (!hc_given_has(given, "support_radius")) scene->support_radius = 2 * spacing;
+  if (!hc_given_has(given, "support_radius")) {
+    if (hc_given_is_bad(given, "support_ratio")) return;
+    scene->support_radius = scene->support_ratio * spacing;
+  }
   /* Room for the rounding of decimal fractions: 0.03 is 1.5 spacings of 0.02. */
   const double ratio = scene->support_radius / spacing;
-  if (ratio >= 1.5 * (1 - 4 * DBL_EPSILON) && ratio <= 4 * (1 + 4 * DBL_EPSILON)) return;
+  if (!hc_given_has(given, "support_ratio")) scene->support_ratio = ratio;
+  if (ratio >= 1.5 * (1 - 4 * DBL_EPSILON) && ratio <= 4 * (1 + 4 * DBL_EPSILON)) {
+    if (fabs(scene->support_ratio - ratio) > 1e-9 * ratio && !hc_given_is_bad(given, "support_ratio"))
+      hc_complaints_add(complaints, hc_given_place_of(given, "support_radius"),
+                        "support_radius must be support_ratio particle_spacing, %.9g m, not %.9g: leave one of them out",
+                        scene->support_ratio * spacing, scene->support_radius);
+    return;
+  }
   char radius[HC_PARAM_NUMBER_TEXT], times[HC_PARAM_NUMBER_TEXT];
   hc_params_number_text(scene->support_radius, radius);
   hc_params_number_text(ratio, times);
@@ -250,8 +260,34 @@ static bool makes_column(const hc_scene_gauge *gauge, const char *other) {
   return false;
 }
 
-static void check_gauge(const hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
-  const hc_scene_gauge *gauge = &scene->output.gauges[index];
+/* The axis that a height's line is nearest to. */
+static int height_axis(const hc_scene *scene, const hc_scene_gauge *gauge) {
+  int nearest = 2;
+  for (int k = 0; k < 3; k++) {
+    if (gauge->axis >> (2 * k) & (HC_FACE_MINUS_X | HC_FACE_PLUS_X)) return k;
+    if (fabs(scene->gravity[k]) > fabs(scene->gravity[nearest])) nearest = k;
+  }
+  return nearest;
+}
+
+/* Two coordinates are those across a height's line, where it is at 0. */
+static void complete_point(const hc_scene *scene, hc_scene_gauge *gauge, const hc_given *given,
+                           hc_complaints *complaints) {
+  if (!isnan(gauge->at[2])) return;
+  gauge->at[2] = 0.0;
+  if (gauge->type != HC_GAUGE_HEIGHT) {
+    hc_complaints_add(complaints, hc_given_place_of(given, "at"),
+                      "%sat must be a list of 3 numbers, not a list of 2", given->prefix);
+    return;
+  }
+  const int axis = height_axis(scene, gauge);
+  for (int k = 2; k > axis; k--) gauge->at[k] = gauge->at[k - 1];
+  gauge->at[axis] = 0.0;
+}
+
+static void check_gauge(hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
+  hc_scene_gauge *gauge = &scene->output.gauges[index];
+  if (!hc_given_is_bad(given, "at")) complete_point(scene, gauge, given, complaints);
   for (int k = 0; k < 3 && !hc_given_is_bad(given, "box.min") && !hc_given_is_bad(given, "box.max"); k++)
     if (gauge->box.min[k] > gauge->box.max[k])
       hc_complaints_add(complaints, hc_given_place_of(given, "box.max"),

@@ -246,7 +246,7 @@ typedef struct hc_time_adaptive {
 typedef struct hc_scene {
   char name[HC_NAME_LENGTH];
   double particle_spacing;
-  double support_radius; /* 2 particle spacings by default */
+  double support_ratio, support_radius; /* the radius in particle spacings, and in m */
   double gravity[3];
   double end_time;
   int64_t origin_cells[3]; /* the scene's origin lies at this corner of the cell grid */

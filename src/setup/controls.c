@@ -6,6 +6,7 @@
 #include "stepping/cfl.h"
 #include "stepping/constant.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -15,8 +16,45 @@ static double size_of(const hc_scene *scene) {
   return scene->time_step.size;
 }
 
-static double max_of(const hc_scene *scene) {
-  return scene->time_step.max;
+/* The largest speed of fluid at the start and of what comes in. */
+static double start_speed(const hc_scene *scene) {
+  double largest = 0.0;
+  for (int k = 0; k < scene->fluid.block_count; k++) {
+    const hc_block *block = &scene->fluid.blocks[k];
+    double square = 0.0;
+    for (int axis = 0; axis < 3; axis++) square += block->velocity[axis] * block->velocity[axis];
+    largest = fmax(largest, sqrt(square) + (block->flow.type == HC_FLOW_NONE ? 0.0 : block->flow.speed));
+  }
+  return fmax(largest, hc_setup_emitted_speed(scene));
+}
+
+/* That many spacings at the speed of a shallow wave of such depth; INFINITY without. */
+static double by_depth(const hc_scene *scene, double spacings, double depth) {
+  const double speed = sqrt(hc_setup_gravity(scene) * depth);
+  return speed > 0.0 ? spacings * scene->particle_spacing / speed : INFINITY;
+}
+
+/* A share of the time of a fall over a support radius. Without gravity a speed decides, and without a speed
+ * too there is but the end of the run to go by. */
+static double by_gravity(const hc_scene *scene, double share) {
+  static const double SPACINGS = 0.4, PARTS = 100.0;
+  const double gravity = hc_setup_gravity(scene), speed = start_speed(scene);
+  if (gravity > 0.0) return share * sqrt(scene->support_radius / gravity);
+  return speed > 0.0 ? SPACINGS * scene->particle_spacing / speed : scene->end_time / PARTS;
+}
+
+/* Longer steps need as many iterations more as they save, and fluid at rest does not stay at rest: at 20
+ * layers of depth it boils from 0.15 sqrt(h/g) on. */
+static double cfl_longest(const hc_scene *scene) {
+  static const double SHARE = 0.05, SPACINGS = 0.3;
+  const double bound =
+      fmin(by_gravity(scene, SHARE), by_depth(scene, SPACINGS, hc_setup_block_height(scene)));
+  return scene->time_step.max > 0.0 ? fmin(scene->time_step.max, bound) : bound;
+}
+
+static double adaptive_longest(const hc_scene *scene) {
+  return scene->time_step.max > 0.0 ? scene->time_step.max
+                                    : by_gravity(scene, scene->time_step.adaptive.shrink.force);
 }
 
 static hc_step_settings common_settings(const hc_scene *scene, double longest) {
@@ -25,6 +63,7 @@ static hc_step_settings common_settings(const hc_scene *scene, double longest) {
                             .spacing = scene->particle_spacing,
                             .support_radius = scene->support_radius,
                             .viscosity = hc_setup_kinematic_viscosity(scene),
+                            .first = INFINITY,
                             .end_time = scene->end_time};
 }
 
@@ -35,8 +74,13 @@ static hc_step_settings *constant_settings(const hc_scene *scene) {
 }
 
 static hc_step_settings *cfl_settings(const hc_scene *scene) {
+  static const double SPARE = 0.05;
+  static const double FIRST = 0.2; /* spacings: fluid that starts at rest has no pressure to go by */
   hc_cfl_settings *settings = hc_alloc(1, sizeof *settings);
-  *settings = (hc_cfl_settings){common_settings(scene, max_of(scene)), scene->time_step.factor};
+  *settings = (hc_cfl_settings){common_settings(scene, cfl_longest(scene)), scene->time_step.factor,
+                                scene->solver.density_error_avg};
+  settings->common.spare = SPARE;
+  settings->common.first = by_depth(scene, FIRST, hc_setup_fluid_height(scene));
   return &settings->common;
 }
 
@@ -44,7 +88,7 @@ static hc_step_settings *adaptive_settings(const hc_scene *scene) {
   hc_adaptive_settings *settings = hc_alloc(1, sizeof *settings);
   const hc_time_adaptive *a = &scene->time_step.adaptive;
   *settings = (hc_adaptive_settings){
-      .common = common_settings(scene, max_of(scene)),
+      .common = common_settings(scene, adaptive_longest(scene)),
       .error_avg = scene->solver.density_error_avg,
       .error_max = hc_scene_density_error_max(scene),
       .change = a->change,
@@ -56,10 +100,9 @@ static hc_step_settings *adaptive_settings(const hc_scene *scene) {
       .restart_velocity = a->restart.velocity,
       .restart_share = a->restart.share,
       .most_restarts = a->restart.most,
-      .first_velocity = a->first.velocity,
-      .first_depth = a->first.depth,
-      .gravity = hc_setup_gravity(scene),
-      .depth = hc_setup_fluid_height(scene)};
+      .first_velocity = a->first.velocity};
+  settings->common.spare = 1.5 * a->change;
+  settings->common.first = by_depth(scene, a->first.depth, hc_setup_fluid_height(scene));
   return &settings->common;
 }
 
@@ -109,11 +152,7 @@ static void complete_constant(hc_scene *scene, hc_findings *findings) {
     hc_findings_error(findings, "", "missing key 'time_step.size', required with time_step.control constant");
   if (hc_given_is_bad(given, "time_step.size") || hc_given_is_bad(given, "time_step.max")) return;
   const double size = scene->time_step.size;
-  if (size <= scene->time_step.max) return;
-  if (!hc_given_has(given, "time_step.max")) { /* the default is no wish */
-    scene->time_step.max = size;
-    return;
-  }
+  if (scene->time_step.max == 0.0 || size <= scene->time_step.max) return;
   char size_text[HC_PARAM_NUMBER_TEXT], max_text[HC_PARAM_NUMBER_TEXT];
   hc_params_number_text(size, size_text);
   hc_params_number_text(scene->time_step.max, max_text);
@@ -128,29 +167,24 @@ static const struct {
   double (*longest)(const hc_scene *scene); /* step, s */
   hc_step_settings *(*settings)(const hc_scene *scene);
   void (*complete)(hc_scene *scene, hc_findings *findings); /* null: nothing to do */
-} controls[] = {[HC_TIME_CONSTANT] = {&hc_control_constant, size_of, constant_settings, complete_constant},
-                [HC_TIME_CFL] = {&hc_control_cfl, max_of, cfl_settings, NULL},
-                [HC_TIME_ADAPTIVE] = {&hc_control_adaptive, max_of, adaptive_settings, complete_adaptive}};
-
-static void check_floor(const hc_scene *scene, hc_findings *findings) {
-  const hc_given *given = findings->given;
-  char largest[HC_PARAM_PATH];
-  snprintf(largest, sizeof largest, "time_step.%s", controls[scene->time_step.control].ops->longest_key);
-  const double most = controls[scene->time_step.control].longest(scene);
-  if (hc_given_is_bad(given, "time_step.min") || hc_given_is_bad(given, largest) ||
-      scene->time_step.min <= most || most <= 0.0)
-    return;
-  char min_text[HC_PARAM_NUMBER_TEXT], max_text[HC_PARAM_NUMBER_TEXT];
-  hc_params_number_text(scene->time_step.min, min_text);
-  hc_params_number_text(most, max_text);
-  hc_findings_error(findings, "time_step.min", "time_step.min must be <= %s, not %s > %s", largest, min_text,
-                    max_text);
-}
+} controls[] = {
+    [HC_TIME_CONSTANT] = {&hc_control_constant, size_of, constant_settings, complete_constant},
+    [HC_TIME_CFL] = {&hc_control_cfl, cfl_longest, cfl_settings, NULL},
+    [HC_TIME_ADAPTIVE] = {&hc_control_adaptive, adaptive_longest, adaptive_settings, complete_adaptive}};
 
 void hc_setup_control_complete(hc_scene *scene, hc_findings *findings) {
   if (controls[scene->time_step.control].complete)
     controls[scene->time_step.control].complete(scene, findings);
-  check_floor(scene, findings);
+}
+
+void hc_setup_control_review(const hc_scene *scene, hc_findings *findings) {
+  const double most = hc_setup_control_longest(scene);
+  if (scene->time_step.min <= most) return;
+  char min_text[HC_PARAM_NUMBER_TEXT], max_text[HC_PARAM_NUMBER_TEXT];
+  hc_params_number_text(scene->time_step.min, min_text);
+  hc_params_number_text(most, max_text);
+  hc_findings_error(findings, "time_step.min", "time_step.min must be <= the largest time step, not %s > %s",
+                    min_text, max_text);
 }
 
 bool hc_setup_control_named(const char *name, hc_time_control *control) {
@@ -164,6 +198,10 @@ bool hc_setup_control_named(const char *name, hc_time_control *control) {
 
 const hc_control_ops *hc_setup_control_ops(const hc_scene *scene) {
   return controls[scene->time_step.control].ops;
+}
+
+double hc_setup_control_longest(const hc_scene *scene) {
+  return controls[scene->time_step.control].longest(scene);
 }
 
 hc_control hc_setup_control(const hc_scene *scene) {

@@ -27,9 +27,7 @@ double hc_setup_fluid_height(const hc_scene *scene) {
   return high > low ? high - low : 0.0;
 }
 
-/* Sound speed of the artificial viscosity if the scene names none: ten times the speed of a fall over the
- * fluid's height, which keeps a weakly compressible fluid within 1 %. */
-static double default_sound_speed(const hc_scene *scene) {
+double hc_setup_block_height(const hc_scene *scene) {
   const double gravity = hc_setup_gravity(scene);
   double height = 0.0;
   for (int block = 0; block < scene->fluid.block_count; block++) {
@@ -40,11 +38,17 @@ static double default_sound_speed(const hc_scene *scene) {
           (box.max[axis] - box.min[axis]) * (gravity > 0.0 ? fabs(scene->gravity[axis]) / gravity : 1.0);
     height = fmax(height, extent);
   }
-  return 10.0 * sqrt(2.0 * (gravity > 0.0 ? gravity : 1.0) * height);
+  return height;
 }
 
-/* Likewise of what emitters bring: ten times its speed. */
-static double emitted_sound_speed(const hc_scene *scene) {
+/* Sound speed of the artificial viscosity if the scene names none: ten times the speed of a fall over the
+ * fluid's height, which keeps a weakly compressible fluid within 1 %. */
+static double default_sound_speed(const hc_scene *scene) {
+  const double gravity = hc_setup_gravity(scene);
+  return 10.0 * sqrt(2.0 * (gravity > 0.0 ? gravity : 1.0) * hc_setup_block_height(scene));
+}
+
+double hc_setup_emitted_speed(const hc_scene *scene) {
   double speed = 0.0;
   for (int k = 0; k < scene->fluid.emitter_count; k++) {
     const hc_scene_emitter *emitter = &scene->fluid.emitters[k];
@@ -53,14 +57,14 @@ static double emitted_sound_speed(const hc_scene *scene) {
                             : emitter->size[0] * emitter->size[1];
     speed = fmax(speed, fmax(emitter->speed, emitter->rate / area));
   }
-  return 10.0 * speed;
+  return speed;
 }
 
 double hc_setup_sound_speed(const hc_scene *scene) {
   if (scene->fluid.viscosity.model != HC_VISCOSITY_ARTIFICIAL) return 0.0;
   return scene->fluid.viscosity.sound_speed > 0.0
              ? scene->fluid.viscosity.sound_speed
-             : fmax(default_sound_speed(scene), emitted_sound_speed(scene));
+             : fmax(default_sound_speed(scene), 10.0 * hc_setup_emitted_speed(scene));
 }
 
 double hc_setup_kinematic_viscosity(const hc_scene *scene) {

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "geometry/surface.h"
+#include "setup/controls.h"
 #include "setup/prescribed.h"
 #include "setup/source.h"
 #include "setup/trace.h"
@@ -296,12 +297,20 @@ static void widen(const review *r, const hc_setup_source *source, extent *to) {
 
 static const extent nothing = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 
-/* A gauge that never measures anything: a point, or a box, away from its wall or, where there are walls to
- * keep the fluid, from all that there is. */
+/* Does a height's line go through all coordinates along that axis? */
+static bool is_along(const hc_scene *scene, const hc_scene_gauge *gauge, int axis) {
+  if (gauge->type != HC_GAUGE_HEIGHT) return false;
+  if (gauge->axis) return gauge->axis >> (2 * axis) & (HC_FACE_MINUS_X | HC_FACE_PLUS_X);
+  const double *const g = scene->gravity;
+  return g[axis] != 0 || (axis == 2 && g[0] == 0 && g[1] == 0);
+}
+
+/* A gauge that never measures anything: a point, or a box, away from its wall or from wherever fluid can
+ * come. */
 static void review_gauge(const review *r, int index, const extent *all) {
   const hc_scene_gauge *gauge = &r->scene->output.gauges[index];
   const bool at_point = gauge->type == HC_GAUGE_HEIGHT || gauge->type == HC_GAUGE_PRESSURE;
-  if (gauge->type == HC_GAUGE_FORCE || r->wall_count == 0) return;
+  if (gauge->type == HC_GAUGE_FORCE) return;
   extent within = *all;
   for (int w = 0; at_point && w < r->wall_count; w++) {
     const int64_t number = r->walls[w].number;
@@ -310,21 +319,42 @@ static void review_gauge(const review *r, int index, const extent *all) {
     widen(r, &r->walls[w], &within);
   }
   const double *low = at_point ? gauge->at : gauge->box.min, *high = at_point ? gauge->at : gauge->box.max;
-  for (int a = 0; a < (gauge->type == HC_GAUGE_HEIGHT ? 2 : 3); a++) {
+  for (int a = 0; a < 3; a++) {
+    if (r->frame.period[a] > 0 || is_along(r->scene, gauge, a)) continue;
     if (low[a] <= within.high[a] && high[a] >= within.low[a]) continue;
     hc_findings_error(r->findings, path_of("output.gauges", index, at_point ? ".at" : ".box.min").text,
                       "gauge %s measures nothing: along %c it is at %.6g%s, and %s only from %.6g to %.6g m",
                       gauge->name, "xyz"[a], low[a], at_point ? "" : " and beyond",
-                      gauge->wall[0] && at_point ? "its wall reaches" : "fluid and walls reach",
-                      within.low[a], within.high[a]);
+                      gauge->wall[0] && at_point ? "its wall reaches" : "fluid can be", within.low[a],
+                      within.high[a]);
     return;
   }
 }
 
-static void review_gauges(const review *r) {
+/* Wherever fluid can come: within domain.limits; where the scene gives none, about as far from all that there
+ * is as they are by default, and anywhere without walls, with emitters, or where walls move. */
+static extent find_world(const review *r) {
+  static const double around = 4; /* longest edges: setup/limits.c has no more on any side */
   extent all = nothing;
+  bool bounded = r->wall_count > 0 && r->scene->fluid.emitter_count == 0;
   for (int b = 0; b < r->block_count; b++) widen(r, &r->blocks[b], &all);
-  for (int w = 0; w < r->wall_count; w++) widen(r, &r->walls[w], &all);
+  for (int w = 0; w < r->wall_count; w++) {
+    widen(r, &r->walls[w], &all);
+    bounded &= r->scene->boundary.walls[r->walls[w].number].motion.type == HC_WALL_STANDS;
+  }
+  double edge = 0;
+  for (int a = 0; a < 3; a++) edge = fmax(edge, all.high[a] - all.low[a]);
+  for (int a = 0; a < 3; a++) {
+    const double low = r->scene->domain.limits_min[a], high = r->scene->domain.limits_max[a];
+    const bool given = high > low, open = !(bounded || given);
+    all.low[a] = open ? -INFINITY : given ? low : all.low[a] - around * edge;
+    all.high[a] = open ? INFINITY : given ? high : all.high[a] + around * edge;
+  }
+  return all;
+}
+
+static void review_gauges(const review *r) {
+  const extent all = find_world(r);
   for (int k = 0; k < r->scene->output.gauge_count; k++) review_gauge(r, k, &all);
 }
 
@@ -428,6 +458,7 @@ void hc_setup_review(const hc_scene *scene, hc_findings *findings) {
     for (int earlier = 0; earlier < b; earlier++) review_overlap(&r, &r.blocks[earlier], &r.blocks[b]);
     for (int w = 0; w < r.wall_count; w++) review_spills(&r, &r.blocks[b], &r.walls[w]);
   }
+  if (r.block_count == scene->fluid.block_count) hc_setup_control_review(scene, findings);
   if (all_walls && r.block_count == scene->fluid.block_count) review_gauges(&r);
   for (int b = 0; b < r.block_count; b++) hc_source_free(&r.blocks[b]);
   for (int w = 0; w < r.wall_count; w++) hc_source_free(&r.walls[w]);

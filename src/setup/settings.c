@@ -30,10 +30,6 @@ hc_step_report hc_settings_start_report(const hc_scene *scene, double v2_max) {
   return (hc_step_report){.v_max = sqrt(v2_max), .force_max = hc_setup_gravity(scene)};
 }
 
-double hc_settings_longest_step(const hc_scene *scene) {
-  return fmax(scene->time_step.max, scene->time_step.size);
-}
-
 unsigned hc_settings_features(const hc_scene *scene) {
   unsigned features = hc_setup_solver_ops(scene)->features | hc_settings_boundary(scene)->features;
   for (int k = 0; k < scene->boundary.wall_count; k++)

@@ -5,9 +5,6 @@
 #include "scene/scene.h"
 #include "solver/solver.h"
 
-/* No step of the scene is longer, s: how far ahead what is prescribed is looked at. */
-double hc_settings_longest_step(const hc_scene *scene);
-
 /* What the choice of the first step needs to know of the initial state: v_max and force_max, from the largest
  * squared speed of all fluid particles, m2/s2. */
 hc_step_report hc_settings_start_report(const hc_scene *scene, double v2_max);

@@ -40,7 +40,7 @@ static hc_status check_memory(hc_comm *comm, const hc_scene *scene, const hc_set
 /* Puts moving walls where they stand now; `held`: without their speed. */
 static void pose_walls(hc_simulation *simulation, bool held) {
   hc_movers_pose(&simulation->movers, &simulation->world, simulation->time,
-                 hc_settings_longest_step(simulation->scene), held);
+                 simulation->control.settings->longest, held);
 }
 
 void hc_simulation_pose_walls(hc_simulation *simulation) {
@@ -49,7 +49,7 @@ void hc_simulation_pose_walls(hc_simulation *simulation) {
 
 double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_movers *movers,
                                       const hc_emitters *emitters) {
-  return hc_prescribed_speed(movers, emitters, 0.0, hc_settings_longest_step(scene));
+  return hc_prescribed_speed(movers, emitters, 0.0, hc_setup_control_longest(scene));
 }
 
 /* Lets the start come to rest: steps of gravity and pressure that forget all momentum; then every particle
@@ -163,6 +163,7 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
   hc_frame frame;
   if (hc_setup_frame(scene, &frame, error) != HC_OK) return error->status;
   simulation->control = hc_setup_control(scene);
+  simulation->rollback.most = simulation->control.ops->goes_back;
   simulation->solver_settings = hc_setup_solver_settings(scene);
   const double ratio = scene->particle_spacing / scene->support_radius, h = frame.support_radius;
   const double volume_factor = hc_settings_wall_factor(scene);
@@ -230,7 +231,7 @@ hc_step_report hc_simulation_seen_by_control(const hc_simulation *simulation) {
   hc_step_report report = simulation->report;
   report.v_max = fmax(report.v_max, simulation->movers.speed);
   report.v_max = fmax(report.v_max, hc_population_speed(&simulation->population, simulation->time,
-                                                        hc_settings_longest_step(simulation->scene)));
+                                                        simulation->control.settings->longest));
   return report;
 }
 

@@ -27,19 +27,14 @@ static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) 
                                   &simulation->report, error);
 }
 
-/* The time at the end of a step of dt. */
-static double time_behind(const hc_simulation *simulation, double dt) {
-  return simulation->control.bound == HC_BOUND_END ? simulation->scene->end_time : simulation->time + dt;
-}
-
 /* Behind the move: adds up over the ranks, in one reduction, what all have to say of the step; it fails if
  * something has left the world. */
 static hc_status add_up(hc_simulation *simulation, double dt, hc_error *error) {
   hc_step_report *report = &simulation->report;
   hc_tally tally = {.count = 0};
   hc_move_note(report, &tally);
-  hc_population_watch(&simulation->population, &simulation->world, time_behind(simulation, dt),
-                      &report->fault, &tally);
+  hc_population_watch(&simulation->population, &simulation->world, simulation->control.end, &report->fault,
+                      &tally);
   if (simulation->company.note) simulation->company.note(simulation->company.caller, dt, &tally);
   int64_t outside = hc_domain_watch_partners(&simulation->world.domain);
   hc_tally_max_i64(&tally, &outside, 1);
@@ -64,12 +59,14 @@ static hc_verdict judge(const hc_simulation *simulation, double dt, const hc_ste
                                .dt = dt,
                                .report = &seen,
                                .error_before = simulation->step > 0 ? before->density_error_max : -1.0,
+                               .capped_before =
+                                   simulation->step > 0 && simulation->capped_at == simulation->step,
                                .status = error->status,
                                .forced = is_forced(simulation)};
   return hc_control_judge(&simulation->control, &tried, shock);
 }
 
-/* Takes the step back, and the one before it. */
+/* Takes the step back, and perhaps the one before it. */
 static void go_back(hc_simulation *simulation, const hc_shock *shock) {
   const hc_step_report failed = hc_simulation_seen_by_control(simulation);
   memset(&simulation->report, 0, sizeof simulation->report); /* what of it is state comes back */
@@ -85,7 +82,7 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_control *control = &simulation->control;
   const hc_step_report before = simulation->report;
   simulation->rollback.back = 0;
-  if (hc_control_may_go_back(control)) hc_rollback_remember(&simulation->rollback, &simulation->state);
+  hc_rollback_remember(&simulation->rollback, &simulation->state);
   if (simulation->step > 0) {
     hc_failure_inject(simulation);
     hc_balance_look(&simulation->balance, world, simulation->step);
@@ -113,9 +110,9 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   }
   simulation->dt = dt;
   simulation->step++;
-  simulation->time = time_behind(simulation, dt);
+  simulation->time = control->end;
   if (simulation->report.density_capped) simulation->capped_at = simulation->step;
-  hc_control_accept(control, simulation->time);
+  hc_control_accept(control, dt);
   hc_simulation_pose_walls(simulation);
   return HC_OK;
 }

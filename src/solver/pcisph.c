@@ -267,10 +267,13 @@ static hc_status check_start(const hc_world *world, const hc_solver_settings *se
   return hc_comm_agree(world->comm, error);
 }
 
+static const char *const controls[] = {"adaptive", "cfl", "constant", NULL};
+
 const hc_solver_ops hc_solver_pcisph = {.name = "pcisph",
                                         .features = HC_FOR_PCISPH,
                                         .walls = 1u << HC_WALLS_NOTHING | 1u << HC_WALLS_MIRRORED |
                                                  1u << HC_WALLS_PRESSURE | 1u << HC_WALLS_DISTANCE,
+                                        .controls = controls,
                                         .steadier = "adaptive",
                                         .step = advance,
                                         .densities = densities,

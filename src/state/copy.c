@@ -74,6 +74,11 @@ void hc_state_history_push(hc_state_history *history, const hc_state *state, uns
   hc_state_remember(&history->copies[history->newest], state, kinds);
 }
 
+void hc_state_history_forget(hc_state_history *history) {
+  history->count = 0;
+  history->newest = HC_STATE_HISTORY - 1; /* of which the first comes next */
+}
+
 const hc_state_copy *hc_state_history_get(const hc_state_history *history, int back) {
   if (back < 0 || back >= history->count) return NULL;
   return &history->copies[(history->newest - back + HC_STATE_HISTORY) % HC_STATE_HISTORY];

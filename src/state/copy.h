@@ -41,6 +41,9 @@ void hc_state_history_free(hc_state_history *history);
 /* Remembers the state as the newest; the oldest is forgotten once there are HC_STATE_HISTORY. */
 void hc_state_history_push(hc_state_history *history, const hc_state *state, unsigned kinds);
 
+/* Forgets all; the next push takes the memory of the one it replaces. */
+void hc_state_history_forget(hc_state_history *history);
+
 /* The state remembered `back` pushes before the newest (0: the newest itself); null if there is none so old.
  * It stays the history's. */
 const hc_state_copy *hc_state_history_get(const hc_state_history *history, int back);

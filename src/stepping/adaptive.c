@@ -17,11 +17,10 @@ static double by_velocity(const hc_adaptive_settings *adaptive, double factor, c
 
 static double first_step(const hc_adaptive_settings *adaptive, const hc_step_report *report,
                          hc_step_bound *bound) {
-  const double velocity = by_velocity(adaptive, adaptive->first_velocity, report);
-  const double fall = sqrt(adaptive->gravity * adaptive->depth);
-  const double depth = fall > 0.0 ? adaptive->first_depth * adaptive->common.spacing / fall : INFINITY;
-  *bound = velocity < depth ? HC_BOUND_VELOCITY : HC_BOUND_DEPTH;
-  return fmin(velocity, depth);
+  double first = by_velocity(adaptive, adaptive->first_velocity, report);
+  *bound = HC_BOUND_VELOCITY;
+  hc_time_step_shorten(&first, adaptive->common.first, HC_BOUND_DEPTH, bound);
+  return first;
 }
 
 /* The step after one of dt_before. */
@@ -56,26 +55,18 @@ static double next_step(const hc_adaptive_settings *adaptive, double dt_before, 
   return dt_before * (1.0 + adaptive->change);
 }
 
-/* Steps follow from those before: where one would shrink in the last of the two that share the end, it is no
- * sliver that is left. */
-static double to_end(const hc_adaptive_settings *adaptive, double time, double dt, hc_step_bound *bound) {
-  const bool last_two = adaptive->common.end_time - time <= adaptive->common.longest;
-  return hc_time_step_to_end(&adaptive->common, time, dt,
-                             last_two ? 2.0 * adaptive->change : HC_TIME_STEP_SLIVER, true, bound);
-}
-
-static double next(const hc_control *control, double time, double dt_before, const hc_step_report *report,
+static double next(const hc_control *control, double dt_before, const hc_step_report *report,
                    hc_step_bound *bound) {
   const hc_adaptive_settings *adaptive = settings_of(control);
   if (control->guard.next != 0.0) {
     *bound = HC_BOUND_SHOCK;
-    return to_end(adaptive, time, control->guard.next, bound);
+    return control->guard.next;
   }
   double dt =
       dt_before > 0.0 ? next_step(adaptive, dt_before, report, bound) : first_step(adaptive, report, bound);
   hc_time_step_shorten(&dt, hc_time_step_viscous_bound(&adaptive->common), HC_BOUND_VISCOUS, bound);
   hc_time_step_shorten(&dt, adaptive->common.longest, HC_BOUND_SIZE, bound);
-  return to_end(adaptive, time, dt, bound);
+  return dt;
 }
 
 static double usual(const hc_step_settings *settings, double speed) {
@@ -86,7 +77,7 @@ static double usual(const hc_step_settings *settings, double speed) {
 static double still(const hc_control *control) {
   const hc_step_report rest = {.v_max = 0.0};
   hc_step_bound unused;
-  return next(control, 0.0, 0.0, &rest, &unused);
+  return next(control, 0.0, &rest, &unused);
 }
 
 /* The first of (25), (26), (27) that holds. */
@@ -120,6 +111,7 @@ const hc_control_ops hc_control_adaptive = {.name = "adaptive",
                                             .speed_key = "max",
                                             .longest_key = "max",
                                             .by_errors = true,
+                                            .goes_back = 2,
                                             .next = next,
                                             .usual = usual,
                                             .still = still,

@@ -25,8 +25,7 @@ typedef struct hc_adaptive_settings {
   double restart_force, restart_velocity; /* factors of (24) */
   double restart_share;                   /* of the step that failed: the replay begins with no more */
   int most_restarts;                      /* of one shock */
-  double first_velocity, first_depth;     /* factors of h/v0 and spacing/sqrt(gravity depth) */
-  double gravity, depth;                  /* m/s2; m: the fluid's height along gravity at the start */
+  double first_velocity;                  /* factor of h/v0 */
 } hc_adaptive_settings;
 
 extern const hc_control_ops hc_control_adaptive;

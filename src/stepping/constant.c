@@ -1,12 +1,11 @@
 #include "constant.h"
 
-static double next(const hc_control *control, double time, double dt_before, const hc_step_report *report,
+static double next(const hc_control *control, double dt_before, const hc_step_report *report,
                    hc_step_bound *bound) {
   (void)dt_before;
   (void)report;
   *bound = HC_BOUND_SIZE;
-  return hc_time_step_to_end(control->settings, time, control->settings->longest, HC_TIME_STEP_SLIVER, false,
-                             bound);
+  return control->settings->longest;
 }
 
 const hc_control_ops hc_control_constant = {.name = "constant",

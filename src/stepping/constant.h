@@ -1,4 +1,4 @@
-/* Steps of one length, which heed nothing but the end of the run. */
+/* Steps of one length, which heed nothing. */
 #ifndef HC_CONSTANT_H
 #define HC_CONSTANT_H
 

@@ -6,10 +6,10 @@
  *   optional   usual    default: 0.4 spacings at that speed
  *              still    default: the longest step
  *              foreseen, by_errors  default: false
- *   all or none  judge, restart, most_restarts: steps may be taken back. Without them every step that did not
- *              fail counts, and one that failed ends the run.
- * Its settings begin with the common ones. All functions are local, and the same on every rank if what they
- * are told is. */
+ *              goes_on     default: false
+ *   all or none  goes_back, judge, restart, most_restarts: steps may be taken back. Without them every step
+ * that did not fail counts, and one that failed ends the run. Its settings begin with the common ones. All
+ * functions are local, and the same on every rank if what they are told is. */
 #ifndef HC_CONTROL_H
 #define HC_CONTROL_H
 
@@ -30,6 +30,7 @@ typedef struct hc_step_tried {
   double time, dt;              /* s: at its beginning; its length */
   const hc_step_report *report; /* v_max is that of all that moves */
   double error_before;          /* the largest density error of the step before; negative: there was none */
+  bool capped_before;           /* the solver was at its cap in the step before */
   hc_status status;             /* of the step */
   bool forced;                  /* a test hook wants it taken back */
 } hc_step_tried;
@@ -48,10 +49,13 @@ typedef struct hc_control_ops {
   const char *speed_key, *longest_key; /* what a user lowers in time_step, for high speeds and in general */
   bool foreseen;                       /* the number of steps is known beforehand */
   bool by_errors; /* steps follow the density errors: a solver need not iterate until they are small */
+  int goes_back;  /* how many steps are taken back at once: 1 or 2; 0: none ever */
+  bool goes_on;   /* once the replays allowed are used up: steps count, and one that fails is the run's end as
+                     it is; else it has given up */
 
-  /* The step from `time` on, given the last one (dt_before = 0 at the first) and what it reported: v_max,
-   * force_max and density errors; and what bounds it. */
-  double (*next)(const hc_control *control, double time, double dt_before, const hc_step_report *report,
+  /* The next step, given the last one (dt_before = 0 at the first) and what it reported: v_max, force_max and
+   * density errors; and what bounds it. Where the run ends it is the control's to heed, not the table's. */
+  double (*next)(const hc_control *control, double dt_before, const hc_step_report *report,
                  hc_step_bound *bound);
 
   /* The longest step usual at that speed, m/s; and one with which fluid at rest settles. */
@@ -65,11 +69,18 @@ typedef struct hc_control_ops {
   int (*most_restarts)(const hc_step_settings *settings);
 } hc_control_ops;
 
+/* Steps of one length that have passed since a time, so that times are counted and not summed. State. */
+typedef struct hc_step_count {
+  double origin, size, steps; /* s, s, 1 */
+} hc_step_count;
+
 struct hc_control {
   const hc_control_ops *ops;
   hc_step_settings *settings; /* the control's own, the common ones first; owned */
   hc_step_bound bound;        /* of the last step chosen */
+  double end;                 /* s: when that ends */
   hc_shock_guard guard;
+  hc_step_count count;
   int64_t before; /* steps that were taken back since the last step that counts, seen from this one */
   double v_max, force_max; /* m/s, m/s2: of the step that was the last shock; 0 if it diverged */
 };
@@ -83,7 +94,8 @@ void hc_control_register(hc_control *control, hc_state *state);
 
 bool hc_control_may_go_back(const hc_control *control);
 
-/* As hc_control_ops.next; the bound stays in the control. */
+/* The step from `time` on, as hc_control_ops.next says and the end of the run allows; its
+ * bound and its end stay in the control. */
 double hc_control_next(hc_control *control, double time, double dt_before, const hc_step_report *report);
 
 double hc_control_usual(const hc_control *control, double speed);
@@ -99,7 +111,7 @@ hc_verdict hc_control_judge(const hc_control *control, const hc_step_tried *trie
 void hc_control_take_back(hc_control *control, const hc_shock *shock, const hc_step_report *report,
                           int steps);
 
-/* A step counts, and ends at `time`. */
-void hc_control_accept(hc_control *control, double time);
+/* The step of dt chosen last counts. */
+void hc_control_accept(hc_control *control, double dt);
 
 #endif

@@ -20,6 +20,15 @@ void hc_shock_text(const hc_shock *shock, char text[static HC_SHOCK_TEXT]) {
     snprintf(text, HC_SHOCK_TEXT, "the step, %.4g s, was longer than the largest speed allows, %.4g s (27)",
              shock->value, shock->limit);
     break;
+  case HC_SHOCK_CAP:
+    snprintf(text, HC_SHOCK_TEXT,
+             "the density solve was at its cap with an average error of %.3g %%, more than %.3g %%",
+             100.0 * shock->value, 100.0 * shock->limit);
+    break;
+  case HC_SHOCK_JUMP:
+    snprintf(text, HC_SHOCK_TEXT, "the step, %.4g s, was longer than the speed at its end allows, %.4g s",
+             shock->value, shock->limit);
+    break;
   case HC_SHOCK_FAULT:
     snprintf(text, HC_SHOCK_TEXT, "the step of %.4g s diverged", shock->dt);
     break;

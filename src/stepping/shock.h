@@ -11,6 +11,8 @@ typedef enum hc_shock_kind {
   HC_SHOCK_RISE,     /* (25): the largest density error has risen by more than delta_shock */
   HC_SHOCK_ERROR,    /* (26): it is more than eta_max */
   HC_SHOCK_VELOCITY, /* (27): the step is too long for the largest speed */
+  HC_SHOCK_CAP,      /* cfl: the density solve stopped at its cap, far from its aim */
+  HC_SHOCK_JUMP,     /* cfl: the step was much too long for the speed at its end */
   HC_SHOCK_FAULT,    /* the step has failed, as a shorter one might not have (not in the paper) */
   HC_SHOCK_FORCED    /* a test hook */
 } hc_shock_kind;

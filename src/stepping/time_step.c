@@ -1,8 +1,11 @@
 #include "time_step.h"
 
+#include <float.h>
 #include <math.h>
 
 static const double FLOOR_SHARE = 1e-5;
+static const double SLIVER = 1e-9; /* of a step or an interval: what is rounding's */
+static const double MANY = 50.0;   /* steps: see hc_time_step_land */
 
 void hc_time_step_shorten(double *dt, double limit, hc_step_bound reason, hc_step_bound *bound) {
   if (limit < *dt) {
@@ -17,14 +20,28 @@ double hc_time_step_viscous_bound(const hc_step_settings *settings) {
   return 0.125 * smoothing_length * smoothing_length / settings->viscosity;
 }
 
-double hc_time_step_to_end(const hc_step_settings *settings, double time, double dt, double slack, bool halve,
-                           hc_step_bound *bound) {
+double hc_time_step_multiples(double every, double time) {
+  const double passed = time / every;
+  return floor(passed + SLIVER + 4.0 * DBL_EPSILON * passed);
+}
+
+double hc_time_step_land(const hc_step_settings *settings, double time, double *dt, hc_step_bound *bound) {
   const double left = settings->end_time - time;
-  if (dt * (1.0 + slack) >= left) {
-    *bound = HC_BOUND_END;
-    return left;
-  }
-  return halve ? fmin(dt, 0.5 * left) : dt;
+  const double steps = ceil(left / *dt * (1.0 - settings->spare - SLIVER));
+  if (!(steps <= MANY)) return time + *dt; /* no number, too: the step is refused for what it is */
+  *dt = left / fmax(1.0, steps);
+  if (steps > 1.0) return time + *dt;
+  *bound = HC_BOUND_END;
+  return settings->end_time;
+}
+
+double hc_time_step_count(const hc_step_settings *settings, double origin, double steps, double *dt,
+                          hc_step_bound *bound) {
+  const double begin = origin + steps * *dt, end = origin + (steps + 1.0) * *dt;
+  if (end < settings->end_time - SLIVER * *dt) return end;
+  *dt = settings->end_time - begin;
+  *bound = HC_BOUND_END;
+  return settings->end_time;
 }
 
 double hc_time_step_floor(const hc_step_settings *settings) {

@@ -14,8 +14,8 @@ typedef enum hc_step_bound {
   HC_BOUND_GROWTH,   /* a tenth more than the last step, a quarter of the largest at first; adaptive: 0.2 % */
   HC_BOUND_ERROR_AVG, /* adaptive: the average density error */
   HC_BOUND_ERROR_MAX, /* adaptive: the largest density error */
-  HC_BOUND_DEPTH,     /* adaptive, first step: what gravity makes of the fluid's height */
-  HC_BOUND_SHOCK,     /* adaptive: the first step after a rollback */
+  HC_BOUND_DEPTH,     /* first step: what gravity makes of the fluid's height */
+  HC_BOUND_SHOCK,     /* the first step after a rollback */
   HC_BOUND_END        /* the end of the run */
 } hc_step_bound;
 
@@ -27,7 +27,10 @@ typedef struct hc_step_settings {
   double min;                     /* s: the floor; 0 = 1e-5 of the longest step */
   double spacing, support_radius; /* m */
   double viscosity;               /* m2/s, 0 = no viscous bound */
+  double first;                   /* s: a run that starts at rest begins with no more */
   double end_time;                /* s */
+  double spare;                   /* share by which the last steps before that may be longer, so that steps
+                                     which shrink by less each time come to it */
 } hc_step_settings;
 
 /* Makes *dt no longer than `limit`; *bound becomes the reason if that shortens it. Local. */
@@ -36,14 +39,20 @@ void hc_time_step_shorten(double *dt, double limit, hc_step_bound reason, hc_ste
 /* The largest step that the viscosity allows, s; INFINITY without one. Local. */
 double hc_time_step_viscous_bound(const hc_step_settings *settings);
 
-/* What the end of the run makes of a step from `time` on: one that comes to it within the share `slack` of
- * dt ends there, so that no sliver is left; `halve`: the last two steps share the time, since a much shorter
- * last step would turn what density error is left into velocity. Local. */
-double hc_time_step_to_end(const hc_step_settings *settings, double time, double dt, double slack, bool halve,
-                           hc_step_bound *bound);
+/* How many multiples of `every` above 0 a run has come to by `time`: one that is missed by rounding counts. A
+ * function of the time alone, which a restart need not remember. Local. */
+double hc_time_step_multiples(double every, double time);
 
-/* The slack that is rounding's. */
-#define HC_TIME_STEP_SLIVER 1e-9
+/* Where a step of *dt from `time` on ends, s: what is left to the end of the run is shared out among the
+ * steps of that length that still fit, so that the last of them is none that is much shorter, which would
+ * turn what density error is left into velocity. Shortens *dt, or makes it longer by settings->spare at most;
+ * *bound becomes HC_BOUND_END for the step that reaches the end. Local. */
+double hc_time_step_land(const hc_step_settings *settings, double time, double *dt, hc_step_bound *bound);
+
+/* The same for steps of one length: the last one alone is shorter. `steps` of it have passed since `origin`,
+ * so that times are counted and not summed. Local. */
+double hc_time_step_count(const hc_step_settings *settings, double origin, double steps, double *dt,
+                          hc_step_bound *bound);
 
 /* The floor, s; and whether a step is below it, though the end of the run does not ask for one so short.
  * Local. */

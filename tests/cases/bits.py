@@ -10,7 +10,7 @@ from pathlib import Path
 import case as c
 
 DAM = "scenes/dam_break.yaml"
-SMALL = ("particle_spacing=0.05", "support_radius=0.1", "output.snapshots.every=0.05")  # 1920 fluid particles
+SMALL = ("particle_spacing=0.05", "output.snapshots.every=0.05")  # 1920 fluid particles
 
 
 def compare(case, one, other):

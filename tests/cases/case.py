@@ -23,6 +23,12 @@ MPI_ENVIRONMENT = {
 }
 
 
+def own_sessions(folder):
+    """Open MPI keeps its files of programs without a launcher in this folder: in a common one, those that run at the same
+    time take each other's for theirs."""
+    os.environ["OMPI_MCA_orte_tmpdir_base"] = str(folder)
+
+
 def without_leaks(environment):
     """ASAN_OPTIONS for MPI without a launcher, whose helper process the leak checker does not survive."""
     return environment.get("ASAN_OPTIONS", "") + ":detect_leaks=0"
@@ -44,6 +50,7 @@ class Case:
         self.halocline = str(Path(halocline).resolve())
         self.mpiexec = shlex.split(mpiexec)
         self.folder = Path(folder)
+        own_sessions(self.folder)
 
     def call(self, arguments, ranks=1, expected=0, timeout=600, environment=None):
         """Runs the program; any exit code but the expected one is a failure that shows the output."""

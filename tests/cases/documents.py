@@ -135,7 +135,7 @@ def reading(case, _):
     with tempfile.TemporaryDirectory(dir=case.folder) as name:
         folder = Path(name)
         (folder / "obstacle.yaml").write_text(scene, encoding="utf-8")
-        coarse = ["--set", "particle_spacing=0.05", "--set", "support_radius=0.1", "--quiet", "--steps", "4"]
+        coarse = ["--set", "particle_spacing=0.05", "--quiet", "--steps", "4"]
         case.call(["run", folder / "obstacle.yaml", "--steps", "4", "--quiet", "-o", folder / "out/obstacle"])
         case.call(["run", c.SOURCE / "scenes/dam_break.yaml", *coarse, "-o", folder / "out/dam_break"])
         done = subprocess.run([sys.executable, "-c", program], cwd=folder, stdout=subprocess.PIPE,

@@ -154,7 +154,7 @@ class Failure(Exception):
 
 def call(options, folder, arguments, allowed):
     """Runs the program on one rank, without a launcher; returns exit code and output."""
-    environment = {**c.MPI_ENVIRONMENT, **os.environ}
+    environment = {**c.MPI_ENVIRONMENT, **os.environ, "OMPI_MCA_orte_tmpdir_base": str(folder.parent)}  # see c.own_sessions
     if arguments[0] == "run":
         environment["ASAN_OPTIONS"] = c.without_leaks(environment)
     limits = ["--core=0"] + ([f"--as={int(options.memory * 2**30)}"] if options.memory else [])
@@ -179,7 +179,8 @@ def particles(report):
 
 def try_scene(options, scenes, number):
     """What became of a scene: the code of `check`, or "run" and the code of the run."""
-    folder = Path(tempfile.mkdtemp(prefix="halocline_fuzz_"))
+    folder = Path(tempfile.mkdtemp(prefix="halocline_fuzz_")) / "scene"
+    folder.mkdir()
     try:
         (folder / "scene.yaml").write_bytes(damaged(scenes, options.seed, number))
         code, report = call(options, folder, ["check", "scene.yaml"], (0, 2))
@@ -193,7 +194,7 @@ def try_scene(options, scenes, number):
         if MANY < count < HOPELESS:
             spacing = float(re.search(r"^particle spacing +(\S+) m", report, re.MULTILINE).group(1))
             spacing *= 1.05 * (count / MANY) ** 0.5  # the walls' particles fall by its square only
-            arguments += ["--set", f"particle_spacing={spacing!r}", "--set", f"support_radius={2 * spacing!r}"]
+            arguments += ["--set", f"particle_spacing={spacing!r}"]
         code, _ = call(options, folder, arguments, (0, 1, 2, 3))
         if code == 2 and (folder / "out").exists():
             raise Failure("a refused scene left an output directory")
@@ -204,7 +205,7 @@ def try_scene(options, scenes, number):
         shutil.copy(folder / "scene.yaml", kept)
         return f"FAILED: scene {number}, kept as {kept}\n{error}"
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        shutil.rmtree(folder.parent, ignore_errors=True)
 
 
 def main():

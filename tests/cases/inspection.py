@@ -5,7 +5,7 @@ import json
 
 import case as c
 
-SMALL = ("particle_spacing=0.05", "support_radius=0.1", "output.snapshots.every=0.02")
+SMALL = ("particle_spacing=0.05", "output.snapshots.every=0.02")
 
 
 def look(case, arguments, expected=0):
@@ -72,7 +72,7 @@ def dam_break(case, steps):
 
 
 def finer_dam(case, steps):
-    return on_ranks(case, "dam_break", steps or 5, ("particle_spacing=0.0125", "support_radius=0.025"))
+    return on_ranks(case, "dam_break", steps or 5, ("particle_spacing=0.0125",))
 
 
 def free_fall(case, steps):
@@ -129,7 +129,7 @@ boundary:
   walls:
     - {name: floor, plane: {point: [0.5, 0.5, 0], normal: [0, 0, 1], size: [1, 1]}}
     - {box: {min: [3, 3, 3], max: [4, 4, 4]}, inside: solid}
-time_step: {control: cfl, factor: 0.4, max: 0.01}
+time_step: {control: cfl, factor: 0.4, max: 0.005}
 output: {snapshots: {every: 0, fields: []}}
 """, encoding="utf-8")
     said = check(case, scene)
@@ -141,15 +141,14 @@ output: {snapshots: {every: 0, fields: []}}
     c.expect(abs(said["first_step"]["dt"] - 0.4 * 0.1 / 100) < 1e-15 and said["first_step"]["bound"] == "velocity",
              f"first step: {said['first_step']}")
     c.expect(said["output"]["snapshots"] == 2, f"first and last snapshot only: {said['output']}")
-    c.expect(said["steps"] == 100 and not said["steps_exact"] and said["periodic"] == [None] * 3, str(said))
+    c.expect(said["steps"] == 200 and not said["steps_exact"] and said["periodic"] == [None] * 3, str(said))
     text = case.call(["check", scene])
     for line in ('  boundary.walls[0] "floor" 100, ', ", bounded by: velocity"):
         c.expect(line in text, f'"{line}" is not in\n{text}')
     bare = check(case, scene, 2, ("boundary.walls=[]",))
     c.expect(bare["boundary"] == 0 and bare["extents"]["boundary"] is None, f"a scene without walls: {bare}")
     case.call(["check", scene, "--set", "end_time=-1", "--json"], expected=2)
-    text = case.call(["check", scene, "--set", "boundary.walls=[]", "--set", "particle_spacing=0.0001",
-                      "--set", "support_radius=0.0002"], expected=2)
+    text = case.call(["check", scene, "--set", "boundary.walls=[]", "--set", "particle_spacing=0.0001"], expected=2)
     c.expect("a rank can hold at most" in text, f"more particles than a rank can hold: {text}")
     return "blocks, walls, first step and scenes without walls are right"
 

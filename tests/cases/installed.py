@@ -18,7 +18,7 @@ from pathlib import Path
 
 import case as c
 
-SETTINGS = ("particle_spacing=0.05", "support_radius=0.1")
+SETTINGS = ("particle_spacing=0.05",)
 STEPS = 12
 INSTALLED = ("bin/halocline", "include/halocline/halocline.h", "share/halocline/scenes/dam_break.yaml")
 
@@ -88,6 +88,7 @@ def main():
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="halocline_installed_") as name:
         folder = Path(name)
+        c.own_sessions(folder)
         prefix = folder / "prefix"
         try:
             call(["cmake", "--install", options.build, "--prefix", prefix])

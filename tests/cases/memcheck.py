@@ -16,7 +16,7 @@ OPTIONS = ("--quiet", f"--error-exitcode={WRONG}", "--leak-check=full", "--show-
            "--errors-for-leak-kinds=definite,indirect", "--track-origins=yes", "--num-callers=30",
            "--keep-debuginfo=yes",  # MPI unloads libraries before the end
            f"--suppressions={c.SOURCE / 'scripts/valgrind.supp'}")
-SMALL = ("particle_spacing=0.1", "support_radius=0.2", "output.snapshots.every=0.004")
+SMALL = ("particle_spacing=0.1", "output.snapshots.every=0.004")
 
 
 def memcheck(case, ranks, arguments):

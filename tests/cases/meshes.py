@@ -182,7 +182,7 @@ def turned(case, _):
 def same_bits(case, steps):
     """The tour's scene, coarse: meshes, profiles, forces on them; with METIS, and far away."""
     steps = steps or 40
-    settings = ("particle_spacing=0.04", "support_radius=0.08", "output.snapshots.every=0.05", "boundary.layers=2")
+    settings = ("particle_spacing=0.04", "output.snapshots.every=0.05", "boundary.layers=2")
     further = {"one": (1, ()), "two": (2, ()), "four": (4, ()), "metis": (3, ("parallel.decomposition=metis",
                "parallel.rebalance_every=7")), "away": (2, ("origin_cells=[1000, -2000, 3000]",))}
     runs = {name: case.run("scenes/meshes.yaml", name, ranks, (*settings, *more), ["--steps", steps])

@@ -210,7 +210,7 @@ def dam_break(case, steps):
     """No particle is lost, none leaves the tank, the density stays near that of water, no energy appears."""
     steps = steps or 400
     spacing = 0.05
-    settings = (f"particle_spacing={spacing}", f"support_radius={2 * spacing}")
+    settings = (f"particle_spacing={spacing}",)
     output = case.run("scenes/dam_break.yaml", "dam_break", 2, settings, ["--steps", steps])
     found = [read(path) for path in c.snapshots(output)]
     count = len(found[0]["id"])

@@ -216,7 +216,8 @@ def taken_back(case, _):
     (output / "scene.yaml").rename(case.folder / "scene.yaml")
     text = launch(case, scene, output, 1, [], 2)
     expect("already holds a run (checkpoints)" in text, text)
-    (output / "scene.yaml").write_text((case.folder / "scene.yaml").read_text().replace("0.05", "0.06"))
+    (output / "scene.yaml").write_text((case.folder / "scene.yaml").read_text().replace("0.05", "0.06")
+                                       .replace("support_radius: 0.1", "support_radius: 0.12"))
     text = launch(case, scene, output, 2, [f"--restart={case.folder / 'old.h5'}"], 2)
     expect("particle_spacing: was 0.06, is 0.05" in text, text)
     return "later checkpoints go before the rows do"

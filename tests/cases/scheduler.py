@@ -284,7 +284,7 @@ def the_program(case, steps):
     expect(job, code == 2 and job.attempts == 1, f"a bad scene ended with {code} after {job.attempts} jobs")
     if "--restart" not in case.call(["run", "--help"]):
         return "a bad scene ends the job; this program cannot be restarted"
-    settings = ["--set", "particle_spacing=0.025", "--set", "support_radius=0.05", "--steps", steps or 250]
+    settings = ["--set", "particle_spacing=0.025", "--steps", steps or 250]
     arguments = [c.SOURCE / "scenes/dam_break.yaml", "out", "--quiet", *settings]
     job = Scheduler(case, "the_program", case.halocline, 300, 5)
     code = job.run(arguments, ends=["limit", "node_failure"], limits=[6, 5])

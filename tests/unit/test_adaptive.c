@@ -10,23 +10,24 @@
 static const double H = 0.04;
 
 static hc_adaptive_settings usual(void) {
-  return (hc_adaptive_settings){
-      .common = {.longest = 0.1, .spacing = 0.02, .support_radius = H, .end_time = 100.0},
-      .error_avg = 0.01,
-      .error_max = 0.1,
-      .change = 0.002,
-      .grow = {.force = 0.19, .velocity = 0.39, .error_max = 4.5, .error_avg = 0.9},
-      .shrink = {.force = 0.2, .velocity = 0.4, .error_max = 5.5, .error_avg = 1},
-      .shock_rise = 0.05,
-      .shock_velocity = 0.45,
-      .restart_force = 0.2,
-      .restart_velocity = 0.25,
-      .restart_share = 0.5,
-      .most_restarts = 10,
-      .first_velocity = 0.25,
-      .first_depth = 0.2,
-      .gravity = 9.81,
-      .depth = 0.5};
+  return (hc_adaptive_settings){.common = {.longest = 0.1,
+                                           .first = 0.002,
+                                           .spare = 0.003,
+                                           .spacing = 0.02,
+                                           .support_radius = H,
+                                           .end_time = 100.0},
+                                .error_avg = 0.01,
+                                .error_max = 0.1,
+                                .change = 0.002,
+                                .grow = {.force = 0.19, .velocity = 0.39, .error_max = 4.5, .error_avg = 0.9},
+                                .shrink = {.force = 0.2, .velocity = 0.4, .error_max = 5.5, .error_avg = 1},
+                                .shock_rise = 0.05,
+                                .shock_velocity = 0.45,
+                                .restart_force = 0.2,
+                                .restart_velocity = 0.25,
+                                .restart_share = 0.5,
+                                .most_restarts = 10,
+                                .first_velocity = 0.25};
 }
 
 static const double DT = 0.001;
@@ -115,30 +116,26 @@ START_TEST(the_largest_and_the_viscous_step_hold) {
   settings.common.viscosity = 0.1; /* 0.125 (h/2)^2/nu */
   ck_assert_double_eq_tol(next_of(&settings, 0, DT, report, &bound), 5e-4, 1e-15);
   ck_assert_int_eq(bound, HC_BOUND_VISCOUS);
-  settings = usual();
-  settings.common.end_time = 1.0;
-  ck_assert_double_eq(next_of(&settings, 1.0 - 0.0015, DT, report, &bound), 0.5 * (1.0 - (1.0 - 0.0015)));
-  ck_assert_double_eq(next_of(&settings, 1.0 - DT, DT, report, &bound), 1.0 - (1.0 - DT));
-  ck_assert_int_eq(bound, HC_BOUND_END);
 }
 END_TEST
 
-/* The last two steps share the time, also where they shrink: halving what is left again and again would never
- * end. */
+/* What is left is shared out anew in each step, also where they shrink: the end is reached. */
 START_TEST(shrinking_steps_reach_the_end) {
   hc_adaptive_settings settings = usual();
   settings.common.end_time = 1.0;
   hc_step_report report = calm();
   report.density_error_avg = 0.02;
-  double time = 0.9985, dt = DT;
+  double time = 0.9405, dt = DT, least = 1.0;
   hc_step_bound bound = HC_BOUND_SIZE;
   int steps = 0;
-  for (; bound != HC_BOUND_END && steps < 10; steps++) {
+  for (; bound != HC_BOUND_END && steps < 100; steps++) {
+    const double before = dt;
     dt = next_of(&settings, time, dt, report, &bound);
     time += dt;
-    ck_assert(dt > 0.5 * DT);
+    least = fmin(least, dt / before);
   }
-  ck_assert_int_eq(steps, 2);
+  ck_assert(steps > 60 && steps < 70);
+  ck_assert(least > 0.98);
   ck_assert(fabs(time - 1.0) < 1e-12);
 }
 END_TEST
@@ -147,8 +144,7 @@ START_TEST(the_first_step_heeds_speed_and_depth) {
   hc_adaptive_settings settings = usual();
   hc_step_report report = {.v_max = 0, .force_max = 9.81};
   hc_step_bound bound;
-  const double deep = 0.2 * 0.02 / sqrt(9.81 * 0.5);
-  ck_assert_double_eq(next_of(&settings, 0, 0, report, &bound), deep);
+  ck_assert_double_eq(next_of(&settings, 0, 0, report, &bound), 0.002);
   ck_assert_int_eq(bound, HC_BOUND_DEPTH);
   report.v_max = 10;
   ck_assert_double_eq(next_of(&settings, 0, 0, report, &bound), 0.25 * H / 10);
@@ -157,7 +153,7 @@ START_TEST(the_first_step_heeds_speed_and_depth) {
   ck_assert_double_eq(next_of(&settings, 0, 0, report, &bound), 1e-4);
   ck_assert_int_eq(bound, HC_BOUND_SIZE);
   settings.common.longest = 0.1;
-  settings.gravity = 0;
+  settings.common.first = INFINITY;
   report.v_max = 0;
   ck_assert_double_eq(next_of(&settings, 0, 0, report, &bound), 0.1);
   ck_assert_int_eq(bound, HC_BOUND_SIZE);

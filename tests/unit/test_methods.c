@@ -9,6 +9,7 @@
 #include "stepping/adaptive.h"
 
 #include <check.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -57,8 +58,8 @@ static hc_scene read_scene(const char *more) {
 }
 
 START_TEST(defaults_hang_on_the_methods) {
-  hc_scene plain = read_scene(""), own = read_scene("solver: {method: pcisph}\n"),
-           adaptive = read_scene("solver: {method: pcisph}\ntime_step: {control: adaptive}\n");
+  hc_scene plain = read_scene(""), own = read_scene("solver: {method: pcisph}\ntime_step: {control: cfl}\n"),
+           adaptive = read_scene("solver: {method: pcisph}\n");
   ck_assert(plain.solver.density_error_avg == 1e-4 && plain.solver.density_iterations.min == 2);
   ck_assert(own.solver.density_error_avg == 0.01 && own.solver.density_iterations.min == 3 &&
             own.solver.density_iterations.max == 100);
@@ -69,7 +70,8 @@ START_TEST(defaults_hang_on_the_methods) {
   hc_free(settings);
   hc_control control = hc_setup_control(&adaptive);
   const hc_adaptive_settings *steps = (const hc_adaptive_settings *)control.settings;
-  ck_assert(control.ops == &hc_control_adaptive && steps->common.longest == 0.004 && steps->error_max == 0.1);
+  ck_assert(control.ops == &hc_control_adaptive && steps->common.longest == 0.2 * sqrt(0.04 / 9.81) &&
+            steps->error_max == 0.1);
   hc_control_free(&control);
   hc_scene_free(&plain);
   hc_scene_free(&own);

@@ -121,7 +121,7 @@ START_TEST(test_defaults) {
       "solver: {method: dfsph, density_error_avg: 0.0001, divergence_error: 0.001,\n"
       "         density_iterations: {min: 2, max: 100}, divergence_iterations: {min: 3, max: 100},\n"
       "         warm_start: 0.5, min_divergence_neighbors: 20, negative_pressure: false}\n"
-      "time_step: {control: cfl, factor: 0.4, max: 0.004, min: 0}\n"
+      "time_step: {control: cfl, factor: 0.4, max: computed, min: 0}\n"
       "output: {snapshots: {every: 0.05, fields: [velocity, density, pressure]}}\n"
       "parallel: {decomposition: slabs, rebalance: metis, rebalance_above: 1.1, rebalance_at: 0,\n"
       "           rebalance_every: 0}\n"
@@ -282,10 +282,12 @@ START_TEST(test_gauges) {
                "21: output.gauges[0].type must be one of height, front, pressure, flow, "
                "force, energy, volume, not 'level'");
   refuse_gauge("name: a, type: front", "5: missing key 'output.gauges[0].axis', required for front");
-  refuse_gauge("name: a, type: height, at: [1, 2], axis: +x",
-               "47: output.gauges[0].axis is a key of front, pressure, flow, not of height");
+  refuse_gauge("name: a, type: volume, axis: +x",
+               "35: output.gauges[0].axis is a key of height, front, pressure, flow, not of volume");
   refuse_gauge("name: a, type: pressure, at: [1]",
                "35: output.gauges[0].at must be a list of 2 or 3 numbers, not a list of 1");
+  refuse_gauge("name: a, type: pressure, at: [1, 2]",
+               "35: output.gauges[0].at must be a list of 3 numbers, not a list of 2");
   refuse_gauge("name: a, type: force, wall: tank",
                "34: output.gauges[0].wall must be the name of a wall of the scene, not 'tank'");
   refuse_gauge("name: a, type: volume, box: {min: [0, 0, 0], max: [1, -1, 1]}",
@@ -347,6 +349,9 @@ START_TEST(test_errors_in_a_line) {
       {"origin_cells: [0, 99999999999999999999, 0]",
        "19: origin_cells[1] must be in [-1073741824, 1073741824], not '99999999999999999999'"},
       {"boundary: {volume_factor: 0}", "27: boundary.volume_factor must be > 0 or computed, not '0'"},
+      {"support_ratio: 4.5", "16: support_ratio must be in [1.5, 4], not '4.5'"},
+      {"support_radius: 0.05\nsupport_ratio: 2",
+       "17: support_radius must be support_ratio particle_spacing, 0.04 m, not 0.05: leave one of them out"},
       {"support_radius: 0.02",
        "17: support_radius must be 1.5 to 4 particle_spacing, not 0.02 (1 particle_spacing)"},
       {"solver: {density_iterations: {min: 5, max: 4}}",
@@ -496,7 +501,7 @@ END_TEST
 
 START_TEST(test_bad_overrides) {
   static const pair cases[] = {
-      {"time_step.max=abc", "time_step.max must be a number, not 'abc'"},
+      {"time_step.max=abc", "time_step.max must be a number or the word computed, not 'abc'"},
       {"time_step.maxx=1", "unknown key 'time_step.maxx'; did you mean 'time_step.max'?"},
       {"time_step.max", "path.to.key=value is meant"},
       {"time_step.max=", "time_step.max has no value"},
