@@ -6,7 +6,7 @@
 
 A room (a folder of src/) may include what its row names, and what those may include in turn: never sideways, never
 upward. Nor may files include each other in a circle; a header and the source of its name are one file here.
-MPI is called only in comm/, HDF5 only in io/, METIS only in domain/, Assimp only in geometry/. Needs nothing but Python.
+MPI is called only in comm/, HDF5 only in io/, METIS only in domain/. Needs nothing but Python.
 """
 
 import re
@@ -49,8 +49,6 @@ LIBRARIES = [
      {"*": {"MPI_Comm", "MPI_Request"}, "io": {"MPI_INFO_NULL"}}),
     ("HDF5", re.compile(r"hdf5(_hl)?\.h|H5\w*\.h"), re.compile(r"\bH5[A-Z]\w*|\b(hid_t|hsize_t|hssize_t|herr_t)\b"),
      "io", {}),
-    ("Assimp", re.compile(r"(cimport|cexport|postprocess)\.h"),
-     re.compile(r"\bai(Import|Release|Process|GetError|Scene|Mesh|Vector3D|String)\w*"), "geometry", {}),
     ("METIS", re.compile(r"(par)?metis\.h"), re.compile(r"\b(Par)?METIS_\w+"), "domain", {}),
 ]
 
@@ -245,9 +243,6 @@ PLANTS = [
     ("src/domain/x.c", "char c = '\"';\nint i = MPI_Wait();\nchar d = '\"';\n", 2),
     ("src/domain/x.c", "#include <metis.h>\nint i = METIS_OK;\n", None),
     ("src/solver/x.c", "#include <metis.h>\n", 1),
-    ("src/geometry/x.c", "#include <assimp/cimport.h>\nconst struct aiScene *s;\n", None),
-    ("src/setup/x.c", "#include <assimp/cimport.h>\n", 1),
-    ("src/setup/x.c", "\nconst struct aiScene *s;\n", 2),
     ("src/comm/x.c", "#include <mpi.h>\nint i = MPI_SUCCESS;\n", None),
     ("src/io/x.c", "#include <hdf5.h>\nhid_t f;\nvoid *i = MPI_INFO_NULL;\n", None),
     ("src/io/x.c", "int i = MPI_Barrier(c);\n", 1),

@@ -15,7 +15,6 @@
 
 /* Bytes; see the head of estimate.h. */
 enum {
-  READING_MESHES = 8 << 20, /* that Assimp keeps */
   WRITING = 30,
   WRITING_SLICE = 65536, /* particles */
   STEP_ROWS = 200,       /* of a step in steps.csv and load.csv */
@@ -159,14 +158,6 @@ static int longest_axis(const hc_estimate_set *set) {
   return longest;
 }
 
-static bool reads_meshes(const hc_scene *scene) {
-  for (int k = 0; k < scene->fluid.block_count; k++)
-    if (scene->fluid.blocks[k].form == HC_FORM_MESH) return true;
-  for (int k = 0; k < scene->boundary.wall_count; k++)
-    if (scene->boundary.walls[k].form == HC_FORM_MESH) return true;
-  return false;
-}
-
 static void estimate_memory(const hc_scene *scene, hc_estimate *estimate) {
   const double ranks = (double)estimate->ranks;
   const double fluid = (double)estimate->fluid_most, boundary = (double)estimate->boundary.count;
@@ -180,7 +171,7 @@ static void estimate_memory(const hc_scene *scene, hc_estimate *estimate) {
     ghosts += fluid / ranks * ghost_share(scene, &estimate->fluid, axis, estimate->ranks);
   if (boundary > 0)
     ghosts += boundary / ranks * ghost_share(scene, &estimate->boundary, axis, estimate->ranks);
-  estimate->memory_program = HC_FOOTPRINT_PROGRAM + (reads_meshes(scene) ? READING_MESHES : 0);
+  estimate->memory_program = HC_FOOTPRINT_PROGRAM;
   estimate->memory_fluid = hc_footprint_fluid(scene) * own_fluid;
   estimate->memory_boundary = hc_footprint_wall(scene) * own_boundary;
   estimate->memory_ghosts = hc_footprint_ghost(scene) * ghosts;

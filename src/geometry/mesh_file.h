@@ -1,8 +1,6 @@
-/* Meshes from files: OBJ, STL (text and binary) and PLY, read by Assimp (the only user of it).
- *
- * Assimp keeps coordinates in single precision; they are taken for the shortest decimal numbers that they
- * stand for, so that what a text says is what is meant: 0.1, not 0.100000001490116. Polygons are cut into
- * triangles, lines and points left away, materials and groups ignored. */
+/* Meshes from files: OBJ, STL (text and binary) and PLY, in double precision; see mesh_formats.h. Polygons
+ * are cut into triangles, lines and points left away, materials and groups ignored; vertices without a
+ * triangle do not count. */
 #ifndef HC_MESH_FILE_H
 #define HC_MESH_FILE_H
 

@@ -55,9 +55,9 @@ typedef struct hc_param {
   unsigned chosen;     /* bits 1 << value of the chooser with which it is; a BOOL is 1 if any component is */
   unsigned only;       /* bit k: the table's variant k has this key; 0: all have it */
   unsigned needed;     /* bit k: the table's variant k must be given it */
-  bool shorter;        /* NUMBER: the last component may be left away, and is no number until a rule fills it in */
-  bool may_change;     /* a run may go on from a checkpoint under another value */
-  bool hidden;         /* a test hook: accepted, but not in `halocline keys` */
+  bool shorter; /* NUMBER: the last component may be left away, and is no number until a rule fills it in */
+  bool may_change; /* a run may go on from a checkpoint under another value */
+  bool hidden;     /* a test hook: accepted, but not in `halocline keys` */
 } hc_param;
 
 struct hc_param_table {

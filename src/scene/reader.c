@@ -1,58 +1,20 @@
 #include "reader.h"
 
 #include "base/memory.h"
+#include "base/text_file.h"
 #include "complaints.h"
 #include "fill.h"
 #include "given.h"
-#include "motion_file.h"
 #include "rules.h"
 #include "yaml.h"
 
-#include <errno.h>
-#include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* A snapshot given by mistake must not be read whole; a scene of a hundred thousand blocks fits. */
 enum { LARGEST_FILE = 32 << 20 };
 
 hc_status hc_scene_load(const char *path, char **text, size_t *length, hc_error *error) {
-  *text = NULL;
-  *length = 0;
-  FILE *file = fopen(path, "rb");
-  if (!file) return hc_error_set(error, HC_BAD_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
-  struct stat status;
-  if (fstat(fileno(file), &status) == 0 && S_ISDIR(status.st_mode)) {
-    fclose(file);
-    return hc_error_set(error, HC_BAD_INPUT, "%s: a folder, not a scene file", path);
-  }
-  char *bytes = NULL;
-  size_t used = 0, room = 0;
-  bool more = true;
-  while (more && used <= LARGEST_FILE) {
-    hc_reserve((void **)&bytes, &room, 2 * used + 4096, used, 1);
-    const size_t count = fread(bytes + used, 1, room - used - 1, file);
-    more = count > 0;
-    used += count;
-  }
-  const int failure = ferror(file) ? errno : 0;
-  fclose(file);
-  hc_status result = HC_OK;
-  if (failure)
-    result = hc_error_set(error, HC_BAD_INPUT, "%s: cannot be read: %s", path, strerror(failure));
-  else if (used == 0)
-    result = hc_error_set(error, HC_BAD_INPUT, "%s: the file is empty", path);
-  else if (used > LARGEST_FILE)
-    result = hc_error_set(error, HC_BAD_INPUT, "%s: larger than %d MiB: not a scene file", path,
-                          LARGEST_FILE >> 20);
-  if (result != HC_OK) {
-    hc_free(bytes);
-    return result;
-  }
-  bytes[used] = '\0';
-  *text = bytes;
-  *length = used;
-  return HC_OK;
+  return hc_file_load(path, LARGEST_FILE, "a scene file", text, length, error);
 }
 
 typedef struct override {
@@ -130,11 +92,7 @@ hc_status hc_scene_read_text(hc_scene *scene, const char *name, const char *text
                              const char *const *overrides, int override_count, const hc_scene_limits *limits,
                              hc_warnings *warnings, hc_error *error) {
   memset(scene, 0, sizeof *scene);
-  /* A byte order mark is no part of the first line. */
-  if (length >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) {
-    text += 3;
-    length -= 3;
-  }
+  hc_text_skip_mark(&text, &length);
   const hc_source source = {name, text, length, 0};
   hc_complaints *complaints = hc_alloc_zero(1, sizeof *complaints),
                 *doubts = hc_alloc_zero(1, sizeof *doubts);
@@ -169,9 +127,5 @@ hc_status hc_scene_read(hc_scene *scene, const char *path, const char *const *ov
   if (status != HC_OK) return status;
   status = hc_scene_read_text(scene, path, text, length, overrides, override_count, limits, warnings, error);
   hc_free(text);
-  if (status == HC_OK) {
-    status = hc_motion_file_read_all(scene, path, error);
-    if (status != HC_OK) hc_scene_free(scene);
-  }
   return status;
 }

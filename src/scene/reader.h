@@ -28,8 +28,7 @@ hc_status hc_scene_read_text(hc_scene *scene, const char *name, const char *text
                              const char *const *overrides, int override_count, const hc_scene_limits *limits,
                              hc_warnings *warnings, hc_error *error);
 
-/* hc_scene_load and hc_scene_read_text in one, and the tables of motion that the scene names
- * (motion_file.h). */
+/* hc_scene_load and hc_scene_read_text in one. */
 hc_status hc_scene_read(hc_scene *scene, const char *path, const char *const *overrides, int override_count,
                         const hc_scene_limits *limits, hc_warnings *warnings, hc_error *error);
 

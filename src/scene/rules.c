@@ -84,9 +84,10 @@ static void check_support(hc_scene *scene, const hc_given *given, hc_complaints 
   if (!hc_given_has(given, "support_ratio")) scene->support_ratio = ratio;
   if (ratio >= 1.5 * (1 - 4 * DBL_EPSILON) && ratio <= 4 * (1 + 4 * DBL_EPSILON)) {
     if (fabs(scene->support_ratio - ratio) > 1e-9 * ratio && !hc_given_is_bad(given, "support_ratio"))
-      hc_complaints_add(complaints, hc_given_place_of(given, "support_radius"),
-                        "support_radius must be support_ratio particle_spacing, %.9g m, not %.9g: leave one of them out",
-                        scene->support_ratio * spacing, scene->support_radius);
+      hc_complaints_add(
+          complaints, hc_given_place_of(given, "support_radius"),
+          "support_radius must be support_ratio particle_spacing, %.9g m, not %.9g: leave one of them out",
+          scene->support_ratio * spacing, scene->support_radius);
     return;
   }
   char radius[HC_PARAM_NUMBER_TEXT], times[HC_PARAM_NUMBER_TEXT];

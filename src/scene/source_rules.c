@@ -63,7 +63,7 @@ static void check_table(const hc_wall_motion *motion, const hc_given *given, hc_
              motion->file[0] ? "not be given beside motion.file" : "have a row, or motion.file name a table");
     return;
   }
-  bool turns = motion->file[0] != '\0' && hc_given_has(given, "motion.axis");
+  bool turns = false;
   for (int k = 0; k < points->item_count; k++) {
     const hc_given *item = &points->items[k];
     if (item->bad || hc_given_is_bad(item, "time")) return;
@@ -78,6 +78,12 @@ static void check_table(const hc_wall_motion *motion, const hc_given *given, hc_
                       item->prefix, now, before);
   }
   if (turns) check_turn(motion, given, complaints);
+}
+
+void hc_source_rules_loaded(const hc_wall *wall, const hc_given *given, hc_complaints *complaints) {
+  bool turns = hc_given_has(given, "motion.axis");
+  for (int k = 0; k < wall->motion.point_count; k++) turns |= wall->motion.points[k].angle != 0.0;
+  if (turns) check_turn(&wall->motion, given, complaints);
 }
 
 void hc_source_rules_motion(const hc_wall *wall, const hc_given *given, hc_complaints *complaints) {

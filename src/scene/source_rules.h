@@ -8,6 +8,8 @@
 
 /* What the keys of one wall's motion, of one emitter, must have to do with each other. */
 void hc_source_rules_motion(const hc_wall *wall, const hc_given *given, hc_complaints *complaints);
+/* The same for a table that has come from a file. */
+void hc_source_rules_loaded(const hc_wall *wall, const hc_given *given, hc_complaints *complaints);
 void hc_source_rules_emitter(const hc_scene_emitter *emitter, const hc_given *given,
                              hc_complaints *complaints);
 

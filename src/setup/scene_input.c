@@ -1,12 +1,18 @@
 #include "scene_input.h"
 
 #include "base/memory.h"
-#include "scene/motion_file.h"
 #include "setup/meshes.h"
 #include "setup/methods.h"
+#include "setup/motions.h"
 #include "setup/review.h"
 
 #include <string.h>
+
+/* The files that a scene names. */
+static void load_files(void *context, hc_scene *scene, const char *name, hc_findings *findings) {
+  hc_setup_motions_load(context, scene, name, findings);
+  hc_setup_meshes_load(context, scene, name, findings);
+}
 
 hc_scene_limits hc_scene_input_limits(const char **names) {
   int count = 0;
@@ -17,7 +23,7 @@ hc_scene_limits hc_scene_input_limits(const char **names) {
                            .snapshot_field_count = count,
                            .complete = hc_setup_complete,
                            .check = hc_setup_review,
-                           .load = hc_setup_meshes_load};
+                           .load = load_files};
 }
 
 /* What the ranks must know before the words themselves come. */
@@ -50,28 +56,6 @@ static hc_status read_words(hc_comm *comm, const header *header, const char *tex
   return status;
 }
 
-/* Tables of motion in files of their own: rank 0 reads them, all get them. Collective. */
-static hc_status share_tables(hc_comm *comm, const char *name, hc_scene *scene, hc_error *error) {
-  bool *pending = hc_alloc((size_t)scene->boundary.wall_count, sizeof *pending);
-  for (int k = 0; k < scene->boundary.wall_count; k++)
-    pending[k] = hc_motion_file_pending(&scene->boundary.walls[k]);
-  if (comm->rank == 0) hc_motion_file_read_all(scene, name, error);
-  hc_comm_agree(comm, error);
-  for (int k = 0; k < scene->boundary.wall_count && error->status == HC_OK; k++) {
-    hc_wall_motion *motion = &scene->boundary.walls[k].motion;
-    if (!pending[k]) continue;
-    hc_comm_broadcast(comm, &motion->point_count, sizeof motion->point_count, 0);
-    if (comm->rank != 0) {
-      hc_free(motion->points);
-      motion->points = hc_alloc((size_t)motion->point_count, sizeof *motion->points);
-      motion->file[0] = '\0';
-    }
-    hc_comm_broadcast(comm, motion->points, (size_t)motion->point_count * sizeof *motion->points, 0);
-  }
-  hc_free(pending);
-  return error->status;
-}
-
 hc_status hc_scene_input_read(hc_comm *comm, const hc_scene_input *input, hc_scene *scene,
                               hc_warnings *warnings, hc_error *error) {
   memset(scene, 0, sizeof *scene);
@@ -97,8 +81,7 @@ hc_status hc_scene_input_read(hc_comm *comm, const hc_scene_input *input, hc_sce
     hc_comm_broadcast(comm, text, header.text_bytes, 0);
     hc_comm_broadcast(comm, words, header.word_bytes, 0);
     read_words(comm, &header, text, words, scene, comm->rank == 0 ? warnings : NULL, error);
-    if (hc_comm_agree(comm, error) != HC_OK || share_tables(comm, input->name, scene, error) != HC_OK)
-      hc_scene_free(scene);
+    if (hc_comm_agree(comm, error) != HC_OK) hc_scene_free(scene);
   }
   hc_free(text);
   hc_free(words);

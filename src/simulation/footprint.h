@@ -6,7 +6,7 @@
 #include "setup/populate.h"
 
 /* Bytes of the program with its libraries, of a rank: what single ranks took. */
-enum { HC_FOOTPRINT_PROGRAM = 34 << 20 };
+enum { HC_FOOTPRINT_PROGRAM = 26 << 20 };
 
 /* Bytes of a particle, its lists and copies included: fluid, boundary, ghost. */
 double hc_footprint_fluid(const hc_scene *scene);

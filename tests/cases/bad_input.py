@@ -288,7 +288,7 @@ def start(case, arguments, folder, ranks, **more):
     """Runs the program in `folder`, on one rank without a launcher; returns exit code and output."""
     launcher = [*case.mpiexec, "-n", str(ranks)] if ranks > 1 else []
     command = [*more.pop("before", []), *launcher, *more.pop("within", []), case.halocline, *arguments]
-    environment = {**c.MPI_ENVIRONMENT, **os.environ}
+    environment = c.mpi_environment(ranks, case.folder)
     if ranks == 1 and "run" in arguments:
         environment["ASAN_OPTIONS"] = c.without_leaks(environment)
     more.setdefault("stdout", subprocess.PIPE)

@@ -23,10 +23,11 @@ MPI_ENVIRONMENT = {
 }
 
 
-def own_sessions(folder):
-    """Open MPI keeps its files of programs without a launcher in this folder: in a common one, those that run at the same
-    time take each other's for theirs."""
-    os.environ["OMPI_MCA_orte_tmpdir_base"] = str(folder)
+def mpi_environment(ranks, folder):
+    """That of a program on so many ranks. Without a launcher Open MPI keeps its files in this folder: in a common one, programs
+    that run at the same time take each other's for theirs."""
+    alone = {"OMPI_MCA_orte_tmpdir_base": str(folder)} if ranks == 1 else {}
+    return {**MPI_ENVIRONMENT, **os.environ, **alone}
 
 
 def without_leaks(environment):
@@ -50,15 +51,13 @@ class Case:
         self.halocline = str(Path(halocline).resolve())
         self.mpiexec = shlex.split(mpiexec)
         self.folder = Path(folder)
-        own_sessions(self.folder)
 
     def call(self, arguments, ranks=1, expected=0, timeout=600, environment=None):
         """Runs the program; any exit code but the expected one is a failure that shows the output."""
         launcher = [*self.mpiexec, "-n", str(ranks)] if ranks > 1 else []
         command = [*launcher, self.halocline, *map(str, arguments)]
-        environment = {**MPI_ENVIRONMENT, **os.environ, **(environment or {})}
         try:
-            done = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+            done = subprocess.run(command, env={**mpi_environment(ranks, self.folder), **(environment or {})}, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                   stderr=subprocess.STDOUT, text=True, errors="replace", timeout=timeout, check=False)
         except subprocess.TimeoutExpired as error:
             shown = error.stdout.decode(errors="replace") if isinstance(error.stdout, bytes) else error.stdout or ""

@@ -154,7 +154,7 @@ class Failure(Exception):
 
 def call(options, folder, arguments, allowed):
     """Runs the program on one rank, without a launcher; returns exit code and output."""
-    environment = {**c.MPI_ENVIRONMENT, **os.environ, "OMPI_MCA_orte_tmpdir_base": str(folder.parent)}  # see c.own_sessions
+    environment = c.mpi_environment(1, folder.parent)
     if arguments[0] == "run":
         environment["ASAN_OPTIONS"] = c.without_leaks(environment)
     limits = ["--core=0"] + ([f"--as={int(options.memory * 2**30)}"] if options.memory else [])

@@ -88,7 +88,6 @@ def main():
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="halocline_installed_") as name:
         folder = Path(name)
-        c.own_sessions(folder)
         prefix = folder / "prefix"
         try:
             call(["cmake", "--install", options.build, "--prefix", prefix])

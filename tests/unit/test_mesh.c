@@ -132,14 +132,180 @@ START_TEST(files_that_are_no_meshes_are_refused) {
   assert_unreadable(write_file("box.dae", "x", 1), ".obj, .stl or .ply");
   assert_unreadable(write_file("box", "x", 1), ".obj, .stl or .ply");
   assert_unreadable(write_file("empty.obj", "", 0), "empty");
-  assert_unreadable(write_file("short.stl", text, length / 2), "cannot be understood");
-  assert_unreadable(write_file("noise.ply", "what is this\n", 13), "cannot be understood");
+  assert_unreadable(write_file("short.stl", text, length / 2), "is cut short");
+  assert_unreadable(write_file("noise.ply", "what is this\n", 13), "its head has no end");
   assert_unreadable(write_file("points.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\n", 24), "");
   assert_unreadable(write_file("line.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\n", 32),
                     "must have triangles");
   assert_unreadable(write_file("noise.obj", "what is this\n", 13), "");
   hc_mesh_free(&mesh);
   hc_free(text);
+}
+END_TEST
+
+/* A mesh file of that text. */
+static hc_mesh read_text(const char *name, const char *text) {
+  hc_mesh mesh;
+  hc_error error = {0};
+  uint64_t checksum;
+  const char *const path = write_file(name, text, strlen(text));
+  ck_assert_msg(hc_mesh_file_read(path, &mesh, &checksum, &error) == HC_OK, "%s", error.text);
+  return mesh;
+}
+
+/* What is far from the origin keeps all its digits: only a binary file of single numbers has lost them. */
+START_TEST(coordinates_are_double) {
+  const double far[3][3] = {
+      {431207.35, -5432100.1, 0.1}, {431208.25, -5432100.1, 0.1}, {431208.25, -5432099.7, 0.30000000001}};
+  hc_mesh mesh[3];
+  mesh[0] = read_text("far.obj", "v 431207.35 -5432100.1 0.1\nv 431208.25 -5432100.1 .1\n"
+                                 "v 431208.25 -5432099.7 0.30000000001\nf 1 2 3\n");
+  mesh[1] = read_text(
+      "far.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty double y\n"
+                 "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
+                 "431207.35 -5432100.1 0.1\n431208.25 -5432100.1 0.1\n431208.25 -5432099.7 0.30000000001\n"
+                 "3 0 1 2\n");
+  mesh[2] =
+      read_text("far.stl", "solid far vertex\nfacet normal 0 0 1 outer loop vertex 431207.35 -5432100.1 0.1\n"
+                           "vertex 431208.25 -5432100.1 0.1 vertex 431208.25 -5432099.7 0.30000000001\n"
+                           "endloop endfacet\nendsolid");
+  for (int k = 0; k < 3; k++) {
+    ck_assert(mesh[k].vertex_count == 3 && mesh[k].triangle_count == 1);
+    ck_assert_mem_eq(mesh[k].vertex, far, sizeof far);
+    hc_mesh_free(&mesh[k]);
+  }
+}
+END_TEST
+
+static void turn(char *bytes, size_t size) {
+  for (size_t k = 0; k < size / 2; k++) {
+    const char kept = bytes[k];
+    bytes[k] = bytes[size - 1 - k];
+    bytes[size - 1 - k] = kept;
+  }
+}
+
+/* Of either byte order, with elements and properties that mean nothing here, and a line end of another
+ * system. */
+START_TEST(binary_plys_are_read) {
+  for (int big = 0; big < 2; big++) {
+    char bytes[1024];
+    size_t used =
+        (size_t)snprintf(bytes, sizeof bytes,
+                         "ply\r\nformat binary_%s_endian 1.0\r\ncomment end of head\r\nelement camera 1\r\n"
+                         "property list uchar short angles\r\nelement vertex 4\r\nproperty uchar red\r\n"
+                         "property double x\r\nproperty double y\r\nproperty float z\r\nelement face 1\r\n"
+                         "property list uchar uint vertex_indices\r\nproperty int flag\r\nend_header\r\n",
+                         big ? "big" : "little");
+#define PUT(type, value)                                                                                     \
+  do {                                                                                                       \
+    const type number = value;                                                                               \
+    memcpy(bytes + used, &number, sizeof number);                                                            \
+    if (big) turn(bytes + used, sizeof number);                                                              \
+    used += sizeof number;                                                                                   \
+  } while (0)
+    PUT(uint8_t, 2);
+    PUT(int16_t, -7);
+    PUT(int16_t, 9);
+    for (int v = 0; v < 4; v++) {
+      PUT(uint8_t, 200);
+      PUT(double, 431207.35 + (v == 1 || v == 2));
+      PUT(double, v > 1 ? 0.7 : 0.1);
+      PUT(float, 0.1f);
+    }
+    PUT(uint8_t, 4);
+    for (uint32_t v = 0; v < 4; v++) PUT(uint32_t, v);
+    PUT(int32_t, -1);
+    hc_mesh mesh;
+    hc_error error = {0};
+    uint64_t checksum;
+    ck_assert_msg(hc_mesh_file_read(write_file("b.ply", bytes, used), &mesh, &checksum, &error) == HC_OK,
+                  "%s", error.text);
+    ck_assert(mesh.vertex_count == 4 && mesh.triangle_count == 2);
+    ck_assert(mesh.vertex[1][0] == 431208.35 && mesh.vertex[2][1] == 0.7 && mesh.vertex[3][2] == 0.1);
+    hc_mesh_free(&mesh);
+    ck_assert_int_eq(hc_mesh_file_read(write_file("b.ply", bytes, used - 1), &mesh, &checksum, &error),
+                     HC_BAD_INPUT);
+    ck_assert_ptr_nonnull(strstr(error.text, "is cut short"));
+  }
+}
+END_TEST
+
+/* A hollow polygon, from both sides, counted from the front and from the back, over several lines. */
+START_TEST(polygons_are_cut) {
+  static const char *const faces[] = {"f 1 2 3 4 5 6", "f 6/1/2 5//3 4/2 3 2 1", "f -6 -5 -4 \\\n-3 -2 -1"};
+  for (int k = 0; k < 3; k++) {
+    char text[512];
+    snprintf(text, sizeof text,
+             "\xef\xbb\xbf# an L\r\nv 0 0 0 1.0\r\nv 2 0 0\r\nv 2 1 0\r\nv 1 1 0\r\nv 1 2 0\r\nv 0 2 0\r\nvn "
+             "0 0 1\r\ng l\r\n%s\r\n",
+             faces[k]);
+    hc_mesh mesh = read_text("l.obj", text);
+    double area = 0;
+    ck_assert_int_eq(mesh.triangle_count, 4);
+    for (int t = 0; t < 4; t++) {
+      const double *const a = mesh.vertex[mesh.triangle[t][0]], *const b = mesh.vertex[mesh.triangle[t][1]],
+                          *const c = mesh.vertex[mesh.triangle[t][2]];
+      const double part = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+      ck_assert(k == 1 ? part < 0 : part > 0); /* all of one sense: none lies beyond the outline */
+      area += part;
+    }
+    ck_assert_double_eq_tol(area, k == 1 ? -3 : 3, 1e-12);
+    hc_mesh_free(&mesh);
+  }
+}
+END_TEST
+
+/* Files as they are: upper case, spare bytes, a binary file that begins with "solid", vertices without a
+ * face. */
+START_TEST(odd_files_are_read) {
+  char *const text = hc_alloc(1 << 16, 1);
+  hc_mesh mesh = box_mesh(low, high);
+  size_t length = stl_text(&mesh, text, 1 << 16);
+  for (size_t k = 0; k < length; k++)
+    text[k] = (char)(text[k] >= 'a' && text[k] <= 'z' ? text[k] - 32 : text[k]);
+  assert_box(write_file("upper.stl", text, length));
+  length = stl_binary(&mesh, text);
+  memcpy(text + length, "spare", 5);
+  assert_box(write_file("spare.stl", text, length + 5));
+  memcpy(text, "solid box", 9);
+  assert_box(write_file("solid.stl", text, length));
+  assert_box(write_file("both.stl", text, length + 5));
+  length = box_obj(text, 1 << 16);
+  length += (size_t)sprintf(text + length, "v 1e6 -1e6 1e6\n");
+  assert_box(write_file("unused.obj", text, length));
+  hc_mesh_free(&mesh);
+  hc_free(text);
+}
+END_TEST
+
+START_TEST(mistakes_are_told_with_their_line) {
+  static const char *const cases[][3] = {
+      {"a.obj", "v 0 0\n", ":1: a vertex must have three numbers, not ''"},
+      {"b.obj", "v 0 0 x\n", ":1: a vertex must have three numbers, not 'x'"},
+      {"c.obj", "v 0 0 0\nf 1 2 3\n", ":2: a face names vertex 2, of 1 before it"},
+      {"d.obj", "v 0 0 0\nv 1 0 0\nf 1 -2\n", ":3: a face must have three corners at least, not 2"},
+      {"e.obj", "v 0 0 0\nf a b c\n", ":2: a corner of a face must be a vertex's number, not 'a'"},
+      {"f.stl", "solid x\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n",
+       ":6: a facet must have three vertices, not 2"},
+      {"g.stl", "solid x\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n", ":5: is cut short"},
+      {"h.stl", "solid x\nfacet\nouter loop\nvertex 0 0 0,5\n",
+       ":4: a vertex must have three numbers, not '0,5'"},
+      {"i.ply", "ply\nformat text 1.0\nend_header\n", ":2: format must be one of ascii"},
+      {"j.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n",
+       "must have the properties x, y and z"},
+      {"k.ply",
+       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float "
+       "z\nend_header\n0 0\n",
+       "is cut short"},
+      {"l.ply", "ply\nformat ascii 1.0\nelement vertex -1\nend_header\n",
+       ":3: an element must have a name and a count"},
+      {"m.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty list float int vertex_indices\nend_header\n",
+       ":4: a list must have a whole"},
+      {"n.ply", "PLY\nend_header\n", ":1: must begin with ply"}};
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+    assert_unreadable(write_file(cases[k][0], cases[k][1], strlen(cases[k][1])), cases[k][2]);
+  assert_unreadable(write_file("utf16.obj", "\xff\xfev\0 \0", 6), "is it UTF-16?");
 }
 END_TEST
 
@@ -298,6 +464,11 @@ int main(void) {
   tcase_add_unchecked_fixture(tests, make_folder, remove_folder);
   tcase_add_test(tests, all_kinds_are_read);
   tcase_add_test(tests, files_that_are_no_meshes_are_refused);
+  tcase_add_test(tests, coordinates_are_double);
+  tcase_add_test(tests, binary_plys_are_read);
+  tcase_add_test(tests, polygons_are_cut);
+  tcase_add_test(tests, odd_files_are_read);
+  tcase_add_test(tests, mistakes_are_told_with_their_line);
   tcase_add_test(tests, broken_meshes_are_refused);
   tcase_add_test(tests, what_is_close_is_welded);
   tcase_add_test(tests, inside_out_is_turned_and_hollows_stay);

@@ -4,6 +4,7 @@
 #include "scene/motion_file.h"
 #include "scene/reader.h"
 #include "setup/prescribed.h"
+#include "setup/scene_input.h"
 #include "setup/world_frame.h"
 
 #include <check.h>
@@ -248,33 +249,40 @@ END_TEST
 
 static char folder[] = "/tmp/halocline_prescribed_XXXXXX";
 
-/* Reads a scene whose table is this text; "" if it is good, else the message from the line number on. */
-static const char *read_table(const char *text, hc_scene *scene) {
+/* Reads a scene whose table is these bytes; "" if it is good, else the first line of the message from the
+ * table's line number on. */
+static const char *read_bytes(const char *text, size_t length, const char *more, hc_scene *scene) {
   static hc_error error;
   char path[256];
   snprintf(path, sizeof path, "%s/table.csv", folder);
   FILE *file = fopen(path, "w");
   ck_assert_ptr_nonnull(file);
-  fputs(text, file);
+  fwrite(text, 1, length, file);
   fclose(file);
   snprintf(path, sizeof path, "%s/scene.yaml", folder);
   file = fopen(path, "w");
   ck_assert_ptr_nonnull(file);
-  fputs("particle_spacing: 0.02\nend_time: 1\nboundary:\n  walls:\n"
-        "  - {sphere: {center: [0, 0, 0], radius: 1}, motion: {type: table, file: table.csv}}\n",
-        file);
+  fprintf(file,
+          "particle_spacing: 0.02\nend_time: 1\nboundary:\n  walls:\n"
+          "  - {sphere: {center: [0, 0, 0], radius: 1}, motion: {type: table, file: table.csv%s}}\n",
+          more);
   fclose(file);
-  if (hc_scene_read(scene, path, NULL, 0, NULL, NULL, &error) == HC_OK) return "";
-  const char *found = strstr(error.text, "table.csv");
-  ck_assert_ptr_nonnull(found);
-  ck_assert_ptr_nonnull(strstr(error.text, "boundary.walls[0].motion.file"));
-  return found + strlen("table.csv");
+  const char *names[HC_FIELD_COUNT];
+  hc_scene_limits limits = hc_scene_input_limits(names);
+  limits.check = NULL; /* there is no fluid */
+  if (hc_scene_read(scene, path, NULL, 0, &limits, NULL, &error) == HC_OK) return "";
+  *strchr(error.text, '\n') = '\0';
+  char *found = strstr(error.text, "motion.file: ");
+  return found ? strstr(found, "table.csv") + strlen("table.csv") : error.text;
+}
+
+static const char *read_table(const char *text, hc_scene *scene) {
+  return read_bytes(text, strlen(text), ", center: [0, 0, 0]", scene);
 }
 
 START_TEST(tables_come_from_files) {
   hc_scene scene;
-  ck_assert_str_eq(
-      read_table("# paddle\n\ny, time ,x,z, note\n0,0,0,0,\r\n 0.5 , 1e-1 ,-2,+3,start\n", &scene), "");
+  ck_assert_str_eq(read_table("# paddle\n\ny, time ,x,z\n0,0,0,0\r\n 0.5 , 1e-1 ,-2,+3\n", &scene), "");
   const hc_wall_motion *motion = &scene.boundary.walls[0].motion;
   ck_assert_int_eq(motion->point_count, 2);
   ck_assert_double_eq(motion->points[1].time, 0.1);
@@ -294,6 +302,52 @@ START_TEST(tables_come_from_files) {
   ck_assert_str_eq(read_table("time,x,y,z\n0,0,a,0\n", &scene), ":2: y must be a number, not 'a'");
   ck_assert_str_eq(read_table("time,x,y,z\n0,0,nan,0\n", &scene), ":2: y must be a number, not 'nan'");
   ck_assert_str_eq(read_table("time,x,y,z\n", &scene), ": must have a row of numbers, has none");
+}
+END_TEST
+
+/* What spreadsheets and other systems write is read; what would be misread is refused. */
+START_TEST(tables_are_read_in_one_way) {
+  hc_scene scene;
+  const char *const good[] = {"\xef\xbb\xbftime,x,y,z\n0,0,0,0\n0.5,1,2,3\n",
+                              "time,x,y,z\r\n0,0,0,0\r\n0.5,1,2,3\r\n",
+                              "time,x,y,z\r0,0,0,0\r0.5,1,2,3",
+                              "time;x;y;z\n0;0;0;0\n0.5;1;2;3\n",
+                              "\"time\",\"x\", \"y\" ,\"z\"\n0,0,0,0\n\"0.5\",1,2,3\n",
+                              "  time , x , y , z  \n\t0,0,0,0\n0.5,1,2,3"};
+  for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
+    ck_assert_str_eq(read_table(good[k], &scene), "");
+    const hc_wall_motion *const motion = &scene.boundary.walls[0].motion;
+    ck_assert(motion->point_count == 2 && motion->points[1].time == 0.5 && motion->points[1].shift[2] == 3.0);
+    hc_scene_free(&scene);
+  }
+#define HINT                                                                                                 \
+  "; the first line must name the columns time, x, y, z and perhaps angle, with commas or semicolons "       \
+  "between them"
+  const char *const bad[][2] = {
+      {"time,x,y,z,Angle\n0,0,0,0,1\n", ":1: unknown column 'Angle'; did you mean 'angle'?" HINT},
+      {"time,x,y,z,pitch\n0,0,0,0,1\n", ":1: unknown column 'pitch'" HINT},
+      {"time x y z\n0 0 0 0\n", ":1: unknown column 'time x y z'" HINT},
+      {"time,x,y,z,x\n0,0,0,0,1\n", ":1: the column x must be there once, not twice"},
+      {"time;x;y;z\n0;0,5;0;0\n", ":2: x must be a number, not '0,5'"}};
+#undef HINT
+  for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
+    ck_assert_str_eq(read_table(bad[k][0], &scene), bad[k][1]);
+  static const char utf16[] = "\xff\xfet\0i\0m\0e\0";
+  ck_assert_str_eq(read_bytes(utf16, sizeof utf16, "", &scene),
+                   ": must be a text in UTF-8, and has zeros in it (is it UTF-16?)");
+}
+END_TEST
+
+/* The rules hold for what a file brings as for what the scene says. */
+START_TEST(rules_hold_for_tables) {
+  hc_scene scene;
+  static const char turning[] = "time,x,y,z,angle\n0,0,0,0,0\n1,0,0,0,90\n",
+                    shifting[] = "time,x,y,z\n0,0,0,0\n1,1,0,0\n";
+  ck_assert_ptr_nonnull(
+      strstr(read_bytes(turning, strlen(turning), "", &scene),
+             "missing key 'boundary.walls[0].motion.center', required of a wall that turns"));
+  ck_assert_str_eq(read_bytes(shifting, strlen(shifting), "", &scene), "");
+  hc_scene_free(&scene);
 }
 END_TEST
 
@@ -378,6 +432,8 @@ int main(void) {
   tcase_add_test(cases, poses_do_not_add_up);
   tcase_add_test(cases, contact_carries_along);
   tcase_add_test(cases, tables_come_from_files);
+  tcase_add_test(cases, tables_are_read_in_one_way);
+  tcase_add_test(cases, rules_hold_for_tables);
   tcase_add_test(cases, layers_fill_their_opening);
   tcase_add_test(cases, an_opening_may_be_too_small);
   suite_add_tcase(suite, cases);
