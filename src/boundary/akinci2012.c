@@ -12,36 +12,123 @@
  * in the middle. Not in the paper: the part of the velocity along the gradient B of the wall density D_b is
  * cut so that D_b + dt (v . B - sum V_b v_b . grad W), which follows moving walls, stays within the value on
  * the wetted surface of a flat wall; a particle already beyond keeps no approaching velocity, but is not
- * thrown out. Fluid at rest stays a spacing away and never notices. */
+ * thrown out. Fluid at rest stays a spacing away and never notices.
+ *
+ * Between walls that meet at an angle a move from one of them into the other is none along B. So where some
+ * sample looks far aside from B, each has a word of its own: a particle may come to the plane half a spacing
+ * in front of it, no farther. */
 #include "boundary.h"
+
+#include "base/memory.h"
+
+static const double ASIDE = 0.68;  /* cosine between B and the normal of a sample: walls at an angle */
+static const double BESIDE = 0.75; /* spacings: how far beside a sample the plane in front of it reaches */
+static const double NEAR = 0.5;    /* of the limit: with less wall density no face can be reached in a step */
+enum { PASSES = 2 };               /* over the faces of a particle, which push it to and fro */
 
 static void prepare(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
                     const hc_neighbors *list, double factor) {
   sweeps->boundary_volume(sweep, boundary, list, (float)factor);
 }
 
-static int64_t contact(hc_particles *fluid, double rest_density, double limit, double dt) {
+/* A particle that may touch walls. */
+typedef struct touch {
+  const hc_sweep *sweep;
+  int32_t i;
+  double dt;
+  double gradient[3], square; /* B, 1/m; B.B */
+  double held[3];             /* m/s, by samples */
+} touch;
+
+static void take_out(const touch *t, double speed, const double direction[3]) {
+  hc_particles *const fluid = t->sweep->fluid;
+  for (int axis = 0; axis < 3; axis++) {
+    double *const velocity = &fluid->velocity[3 * (size_t)t->i + (size_t)axis];
+    *velocity -= speed * direction[axis];
+    fluid->motion[t->i].v[axis] = (float)*velocity;
+  }
+}
+
+/* What would carry the particle further along B than its wall density allows. The push acts like a divergence
+ * multiplier: rho0 push/dt in Pa. */
+static bool hold_by_density(const touch *t, double room) {
+  const hc_particles *const fluid = t->sweep->fluid;
+  const double *const velocity = &fluid->velocity[3 * (size_t)t->i];
+  double approach = fluid->wall_rate ? -(double)fluid->wall_rate[t->i] : -0.0;
+  for (int axis = 0; axis < 3; axis++) approach += velocity[axis] * t->gradient[axis];
+  const double allowed = room > 0.0 ? room / t->dt : 0.0;
+  if (approach <= allowed) return false;
+  const double push = (approach - allowed) / t->square;
+  take_out(t, push, t->gradient);
+  fluid->pressure[t->i] += (float)((double)t->sweep->rest_density * push / t->dt);
+  return true;
+}
+
+/* What would carry it through the plane in front of a sample. */
+static bool hold_by_sample(touch *t, int32_t b) {
+  const hc_sweep *const sweep = t->sweep;
+  const float *const normal = sweep->boundary->facing[b].v, *const wall = sweep->boundary->motion[b].v;
+  const double *const velocity = &sweep->fluid->velocity[3 * (size_t)t->i], offset = sweep->wall_offset,
+                      reach = 2.0 * BESIDE * offset;
+  double height = 0.0, square = 0.0, approach = 0.0, inward[3];
+  for (int axis = 0; axis < 3; axis++) {
+    const int32_t units =
+        (int32_t)((uint32_t)sweep->fluid->place[t->i].x[axis] - (uint32_t)sweep->boundary->place[b].x[axis]);
+    const double d = (double)units * sweep->scale[axis], n = normal[axis];
+    height += d * n;
+    square += d * d;
+    approach -= (velocity[axis] - (double)wall[axis]) * n;
+    inward[axis] = -n;
+  }
+  if (height < 0.0 || square - height * height > reach * reach) return false; /* behind it, or beside */
+  const double allowed = fmax(0.0, height - offset) * sweep->support / t->dt, speed = approach - allowed;
+  if (speed <= 0.0) return false;
+  take_out(t, speed, inward);
+  for (int axis = 0; axis < 3; axis++) t->held[axis] -= speed * inward[axis];
+  return true;
+}
+
+/* Does a sample near the particle look far aside from B? */
+static bool is_between(const touch *t) {
+  const hc_neighbors *const walls = t->sweep->walls;
+  const uint32_t *const row = hc_list_row(walls, t->i);
+  for (int32_t k = 0; k < hc_list_count(walls, t->i); k++) {
+    const float *const n = t->sweep->boundary->facing[row[k] / sizeof(hc_record)].v;
+    const double along = -(n[0] * t->gradient[0] + n[1] * t->gradient[1] + n[2] * t->gradient[2]);
+    if (along < ASIDE * sqrt(t->square)) return true;
+  }
+  return false;
+}
+
+static bool hold_by_samples(touch *t, hc_holds *holds) {
+  const hc_neighbors *const walls = t->sweep->walls;
+  const uint32_t *const row = hc_list_row(walls, t->i);
+  bool held = false;
+  for (int pass = 0; pass < PASSES; pass++)
+    for (int32_t k = 0; k < hc_list_count(walls, t->i); k++)
+      held |= hold_by_sample(t, (int32_t)(row[k] / sizeof(hc_record)));
+  if (!held) return false;
+  hc_reserve((void **)&holds->at, &holds->room, 2 * holds->count + 16, holds->count, sizeof *holds->at);
+  holds->at[holds->count++] =
+      (hc_hold){.particle = t->i, .change = {(float)t->held[0], (float)t->held[1], (float)t->held[2]}};
+  return true;
+}
+
+static int64_t contact(const hc_sweep *sweep, double limit, double dt) {
+  const hc_particles *const fluid = sweep->fluid;
   int64_t held = 0;
+  sweep->holds->count = 0;
   for (int32_t i = 0; i < fluid->own; i++) {
-    const double room = limit - (double)fluid->wall_density[i];
-    if (room == limit) continue; /* no wall near */
-    const float *gradient = &fluid->wall_gradient[3 * (size_t)i];
-    double *velocity = &fluid->velocity[3 * (size_t)i];
-    double approach = fluid->wall_rate ? -(double)fluid->wall_rate[i] : -0.0, square = 0.0;
+    const double density = (double)fluid->wall_density[i];
+    if (density == 0.0) continue; /* no wall near */
+    touch t = {.sweep = sweep, .i = i, .dt = dt};
     for (int axis = 0; axis < 3; axis++) {
-      approach += velocity[axis] * gradient[axis];
-      square += (double)gradient[axis] * gradient[axis];
+      t.gradient[axis] = (double)fluid->wall_gradient[3 * (size_t)i + (size_t)axis];
+      t.square += t.gradient[axis] * t.gradient[axis];
     }
-    const double allowed = room > 0.0 ? room / dt : 0.0;
-    if (approach <= allowed || square == 0.0) continue;
-    const double push =
-        (approach - allowed) / square; /* acts like a divergence multiplier: rho0 push/dt in Pa */
-    for (int axis = 0; axis < 3; axis++) {
-      velocity[axis] -= push * gradient[axis];
-      fluid->motion[i].v[axis] = (float)velocity[axis];
-    }
-    fluid->pressure[i] += (float)(rest_density * push / dt);
-    held++;
+    if (t.square == 0.0) continue;
+    const bool by_density = hold_by_density(&t, limit - density);
+    held += (density > NEAR * limit && is_between(&t) && hold_by_samples(&t, sweep->holds)) || by_density;
   }
   return held;
 }

@@ -33,8 +33,8 @@ typedef struct hc_boundary_ops {
 
   /* The last word before own fluid particles move by dt: takes away what would carry one into a wall. `limit`
    * is the wall density of a particle on a flat wall's wetted surface. The push adds to the particle's
-   * pressure. Returns how many were held. Local. Null where `collide` does it. */
-  int64_t (*contact)(hc_particles *fluid, double rest_density, double limit, double dt);
+   * pressure, or stands in sweep->holds. Returns how many were held. Local. Null where `collide` does it. */
+  int64_t (*contact)(const hc_sweep *sweep, double limit, double dt);
 
   /* Moves selected own particles, whose place holds predicted positions and velocity the predicted one,
    * out of the walls. motion holds the velocities at the step's beginning. Returns how many were in one.

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "measures.h"
+#include "solver/wall_force.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -145,7 +146,7 @@ void hc_gauges_note(hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_tall
   for (int g = 0; g < scene->output.gauge_count; g++) {
     const hc_scene_gauge *gauge = &scene->output.gauges[g];
     hc_sum *own = gauges->sums + gauges->state[g].first_sum;
-    if (pushes_wall(gauges, g)) stand_on_wall(gauges, g, sweep->contacts ? dt : 0.0);
+    if (pushes_wall(gauges, g)) stand_on_wall(gauges, g, hc_wall_force_later(sweep, dt));
     pushed |= pushes_wall(gauges, g);
     if (gauge->type == HC_GAUGE_PRESSURE && !pushes_wall(gauges, g))
       hc_measure_point_pressure(gauges, gauge, sweep->fluid, own);

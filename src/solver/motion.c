@@ -145,8 +145,7 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
 hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, hc_move_to to, bool broken,
                   hc_step_report *report, hc_error *error) {
   if (world->boundary_ops->contact && world->contact_limit > 0.0)
-    report->contacts =
-        world->boundary_ops->contact(world->fluid, settings->rest_density, world->contact_limit, dt);
+    report->contacts = world->boundary_ops->contact(&world->sweep, world->contact_limit, dt);
   if (look_before_move(world, dt, broken, report, error) != HC_OK) return error->status;
   report->moved = (hc_moved){.force_max = report->force_max};
   move_all(world, settings, dt, to, &report->moved);

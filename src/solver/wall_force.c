@@ -47,17 +47,31 @@ static double share(double q) {
   return fmax(0.0, 1.0 - q);
 }
 
+double hc_wall_force_later(const hc_sweep *sweep, double dt) {
+  return sweep->contacts ? dt : 0.0;
+}
+
+/* What contact with walls has changed a particle's velocity by; null: nothing. `next`: the holds before are
+ * those of particles before. */
+static const float *contact_of(const hc_sweep *sweep, int32_t i, size_t *next) {
+  if (sweep->contacts) return sweep->contacts[i].v;
+  const hc_holds *const holds = sweep->holds;
+  if (!holds || *next == holds->count || holds->at[*next].particle != i) return NULL;
+  return holds->at[(*next)++].change;
+}
+
 void hc_wall_force_each(const hc_sweep *sweep, const hc_frame *frame, double dt, hc_wall_push_taker take,
                         void *context) {
   const hc_particles *fluid = sweep->fluid, *boundary = sweep->boundary;
-  const double back =
-      sweep->contacts ? 0.0 : dt; /* rigid contacts: the records are those of the step's end */
+  const double back = dt - hc_wall_force_later(sweep, dt);
   const double of_contact = -(double)sweep->rest_density * sweep->volume / dt;
+  size_t next = 0;
   for (int32_t i = 0; i < fluid->own; i++) {
     const int32_t count = hc_list_count(sweep->walls, i);
     const uint32_t *offset = hc_list_row(sweep->walls, i);
+    const float *const change = contact_of(sweep, i, &next);
     double shares = 0.0;
-    for (int32_t k = 0; sweep->contacts && k < count; k++)
+    for (int32_t k = 0; change && k < count; k++)
       shares += share(make_pair(sweep, frame, back, i, (int32_t)(offset[k] / sizeof(hc_record))).q);
     for (int32_t k = 0; k < count; k++) {
       const int32_t b = (int32_t)(offset[k] / sizeof(hc_record));
@@ -70,7 +84,7 @@ void hc_wall_force_each(const hc_sweep *sweep, const hc_frame *frame, double dt,
       for (int axis = 0; axis < 3; axis++)
         push.force[axis] =
             (pressure != 0.0 ? pressure * hc_kernel_slope_over_q(pair.q) * pair.d[axis] : 0.0) +
-            (contact != 0.0 ? contact * (double)sweep->contacts[i].v[axis] : 0.0);
+            (contact != 0.0 ? contact * (double)change[axis] : 0.0);
       take(context, &push);
     }
   }

@@ -13,6 +13,10 @@ typedef struct hc_wall_push {
   double at[3];    /* of the sample, m, scene coordinates, through the particle's periodic image */
 } hc_wall_push;
 
+/* How long after the beginning of a step of dt its pushes are where they are, s: 0, or dt where walls are
+ * rigid, whose records are those of the step's end. Local. */
+double hc_wall_force_later(const hc_sweep *sweep, double dt);
+
 typedef void (*hc_wall_push_taker)(void *context, const hc_wall_push *push);
 
 /* Shows every push of own fluid particles of the step of `dt` that has just moved them: pressure,

@@ -25,6 +25,18 @@ typedef enum hc_wall_rule {
   HC_WALLS_DISTANCE  /* a density that depends on the distance; no pressure (Harada et al. 2007) */
 } hc_wall_rule;
 
+/* What a wall's samples took out of a particle's velocity one by one, m/s: a list of those it happened to, by
+ * ascending particle. */
+typedef struct hc_hold {
+  int32_t particle;
+  float change[3];
+} hc_hold;
+
+typedef struct hc_holds {
+  hc_hold *at;
+  size_t count, room;
+} hc_holds;
+
 /* What all sweeps of a step read. */
 typedef struct hc_sweep {
   float scale[3];     /* 1 / support radius of one unit along each axis */
@@ -43,6 +55,7 @@ typedef struct hc_sweep {
   const hc_neighbors *list;  /* fluid -> fluid */
   const hc_neighbors *walls; /* fluid -> boundary, all of it */
   bool walls_move;           /* has any boundary particle a velocity? */
+  hc_holds *holds;           /* of the last step, where walls hold so (MIRRORED); may be null */
   const hc_record *contacts; /* v: change of velocity by contact in the last step, m/s; null where walls are
                                 not  rigid */
 } hc_sweep;

@@ -45,6 +45,7 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
   world->sweep.boundary = world->boundary;
   world->sweep.list = &world->list;
   world->sweep.walls = &world->walls;
+  world->sweep.holds = &world->holds;
 }
 
 void hc_world_free(hc_world *world) {
@@ -58,6 +59,7 @@ void hc_world_free(hc_world *world) {
   hc_neighbors_free(&world->list);
   hc_neighbors_free(&world->walls);
   hc_free(world->contacts);
+  hc_free(world->holds.at);
   hc_neighbor_search_free(&world->search);
   hc_domain_free(&world->domain);
 }

@@ -34,6 +34,7 @@ typedef struct hc_world {
   hc_selection listed;      /* the fluid particles that the lists are of */
   hc_record *contacts;      /* see hc_collision; room for contact_room, and as many velocities of walls */
   size_t contact_room;
+  hc_holds holds;
   const hc_sweeps *sweeps;
   hc_sweep sweep;
   const hc_boundary_ops *boundary_ops;

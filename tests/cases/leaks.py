@@ -160,5 +160,59 @@ def piston(case, _steps):
     return count(output, 0.025, walls)
 
 
+def turn(axis, angle):
+    """The rotation about an axis, radians."""
+    x, y, z = axis / np.linalg.norm(axis)
+    across = np.array(((0, -z, y), (z, 0, -x), (-y, x, 0)))
+    return np.eye(3) + np.sin(angle) * across + (1 - np.cos(angle)) * across @ across
+
+
+def troughs(case, count):
+    """Drops fall into closed troughs with a sharp edge below, of all angles, turned and tilted; `--steps` says how many."""
+    methods = ("dfsph, akinci2012", "pcisph, ihmsen2010", "dfsph, akinci2012", "pcisph, akinci2012")
+    count, spacing, leaked = count or 20, 0.05, []
+    for number in range(count):
+        random = np.random.default_rng(number)
+        half, depth, length = np.radians(random.uniform(8, 44)), 0.6, 1.0
+        width = depth * np.tan(half)
+        solver, walls = methods[number % 4].split(", ")
+        corners = np.array([(x, y, z) for x in (0, length) for y, z in ((-width, depth), (width, depth), (0, 0))])
+        rotation = turn(random.normal(size=3), np.radians(random.uniform(0, 20))) @ turn(np.array((0, 0, 1)), random.uniform(0, 2 * np.pi))
+        edge = min(0.1, 1.2 * width * (depth - 0.12) / depth)
+        low = np.array((random.uniform(0.1, 0.3), -edge / 2, 0.42))
+        high = low + (random.uniform(0.3, 0.6), edge, 0.1)
+        places = (corners - (0.5, 0, 0)) @ rotation.T
+        faces = [(0, 1, 2), (3, 5, 4), (0, 4, 1), (0, 3, 4), (0, 5, 3), (0, 2, 5), (1, 5, 2), (1, 4, 5)]
+        block = np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+        for name, points, triangles in (("trough", places, faces), ("drop", (block - (0.5, 0, 0)) @ rotation.T,
+                                                                      [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])):
+            lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()] + ["f " + " ".join(str(k + 1) for k in f) for f in triangles]
+            (case.folder / f"{name}_{number}.obj").write_text("\n".join(lines), encoding="utf-8")
+        (case.folder / f"trough_{number}.yaml").write_text(f"""
+particle_spacing: {spacing}
+end_time: 0.6
+fluid: {{blocks: [{{mesh: {{file: drop_{number}.obj}}}}]}}
+solver: {{method: {solver}}}
+boundary: {{method: {walls}, walls: [{{name: trough, mesh: {{file: trough_{number}.obj}}, inside: fluid}}]}}
+domain: {{leaving: remove}}
+output: {{snapshots: {{every: 0.05}}}}
+""", encoding="utf-8")
+        output = case.folder / f"trough_{number}"
+        case.call(["run", case.folder / f"trough_{number}.yaml", "-o", output, "--force", "--quiet"])
+        inward = [np.array((0, np.cos(half), np.sin(half))), np.array((0, -np.cos(half), np.sin(half))), np.array((0, 0, -1.0)),
+                  np.array((1.0, 0, 0)), np.array((-1.0, 0, 0))]
+        offsets = [0, 0, depth, 0, length]
+        worst, start = np.inf, len(read(c.snapshots(output)[0])[0])
+        for path in c.snapshots(output):
+            points = read(path)[0] @ rotation + (0.5, 0, 0)
+            worst = min(worst, min((points @ n + o).min() for n, o in zip(inward, offsets)))
+            if len(points) < start:
+                worst = -np.inf
+        if worst < -0.5 * spacing:
+            leaked.append(f"{number} ({methods[number % 4]}, {2 * np.degrees(half):.0f} degrees, {worst:.3f} m)")
+    c.expect(not leaked, f"{len(leaked)} of {count} troughs leak: {', '.join(leaked)}")
+    return f"{count} troughs, none leaks"
+
+
 if __name__ == "__main__":
-    c.main(__doc__, {"corners": corners, "spheres": spheres, "glass": glass, "meshes": meshes, "wave": wave, "piston": piston})
+    c.main(__doc__, {"troughs": troughs, "corners": corners, "spheres": spheres, "glass": glass, "meshes": meshes, "wave": wave, "piston": piston})

@@ -237,7 +237,11 @@ START_TEST(contact_carries_along) {
     fluid.pressure[k] = 0.0f;
   }
   fluid.velocity[6] = 0.5; /* faster than the wall */
-  ck_assert_int_eq(hc_boundary_akinci2012.contact(&fluid, 1000.0, 0.3, 0.001), 1);
+  uint32_t rows[4] = {0};  /* no samples in sight */
+  const hc_neighbors none = {.row = rows};
+  hc_holds holds = {.count = 0};
+  const hc_sweep sweep = {.fluid = &fluid, .walls = &none, .holds = &holds, .rest_density = 1000.0f};
+  ck_assert_int_eq(hc_boundary_akinci2012.contact(&sweep, 0.3, 0.001), 1);
   ck_assert_double_eq_tol(fluid.velocity[0], 0.4, 1e-6);
   ck_assert_double_eq(fluid.velocity[3], 0.0);
   ck_assert_double_eq(fluid.velocity[6], 0.5);
