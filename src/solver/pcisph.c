@@ -243,28 +243,9 @@ static void densities(hc_world *world, const hc_solver_settings *settings) {
   if (prediction.shepard) correct_densities(&step, &none);
 }
 
-/* Fluid that is squeezed from the start, as too near to a wall, explodes: the pressure that pushes it apart
- * in one step knows no bounds. */
 static hc_status check_start(const hc_world *world, const hc_solver_settings *settings, hc_error *error) {
-  const hc_particles *fluid = world->fluid;
-  const hc_frame *frame = &world->frame;
-  int32_t worst = 0;
-  for (int32_t k = 1; k < fluid->own; k++)
-    if (fluid->density[k] > fluid->density[worst]) worst = k;
-  double density = fluid->own > 0 ? (double)fluid->density[worst] : 0.0;
-  const double most = ((const hc_pcisph_settings *)settings)->density_error_max;
-  const double own = density / settings->rest_density - 1.0;
-  hc_comm_max_f64(world->comm, &density, 1);
-  if (own > most && density == (double)fluid->density[worst])
-    hc_error_set(error, HC_BAD_INPUT,
-                 "the fluid at (%.6g, %.6g, %.6g) m is %.3g %% too dense at the start, "
-                 "solver.density_error_max allows "
-                 "%.3g %%: fluid lattices must not overlap, and keep half a spacing from walls",
-                 hc_frame_to_metres(frame, 0, fluid->position[3 * (size_t)worst]),
-                 hc_frame_to_metres(frame, 1, fluid->position[3 * (size_t)worst + 1]),
-                 hc_frame_to_metres(frame, 2, fluid->position[3 * (size_t)worst + 2]), 100.0 * own,
-                 100.0 * most);
-  return hc_comm_agree(world->comm, error);
+  return hc_solver_check_density(world, settings, ((const hc_pcisph_settings *)settings)->density_error_max,
+                                 " (solver.density_error_max)", error);
 }
 
 static const char *const controls[] = {"adaptive", "cfl", "constant", NULL};

@@ -17,3 +17,45 @@ void hc_solver_tell_caps(const hc_solver_caps *caps, char *text, size_t size) {
            " steps",
            caps->density, caps->divergence, caps->steps);
 }
+
+/* Refuses the particle with the largest value, of all ranks, if that is more than `most`; `text` says why,
+ * with its place before it. */
+static hc_status refuse_largest(const hc_world *world, const float *values, double most, const char *text,
+                                hc_error *error) {
+  const hc_particles *fluid = world->fluid;
+  int32_t worst = 0;
+  for (int32_t k = 1; k < fluid->own; k++)
+    if (values[k] > values[worst]) worst = k;
+  double largest = fluid->own > 0 ? (double)values[worst] : 0.0;
+  hc_comm_max_f64(world->comm, &largest, 1);
+  if (largest > most && fluid->own > 0 && largest == (double)values[worst]) {
+    double at[3];
+    char place[96];
+    for (int axis = 0; axis < 3; axis++)
+      at[axis] = hc_frame_to_metres(&world->frame, axis, fluid->position[3 * (size_t)worst + (size_t)axis]);
+    snprintf(place, sizeof place, "the fluid at (%.6g, %.6g, %.6g) m", at[0], at[1], at[2]);
+    hc_error_set(error, HC_BAD_INPUT, "%s %s", place, text);
+  }
+  return hc_comm_agree(world->comm, error);
+}
+
+hc_status hc_solver_check_density(const hc_world *world, const hc_solver_settings *settings, double most,
+                                  const char *key, hc_error *error) {
+  char text[256];
+  snprintf(text, sizeof text,
+           "is more than %.3g %%%s too dense at the start: fluid lattices must not overlap, and keep half a "
+           "spacing "
+           "from walls",
+           100.0 * most, key);
+  return refuse_largest(world, world->fluid->density, settings->rest_density * (1.0 + most), text, error);
+}
+
+hc_status hc_solver_check_walls(const hc_world *world, hc_error *error) {
+  static const double MOST = 1.05; /* of what a flat wall has on its surface: corners have nearly as much */
+  if (!(world->contact_limit > 0.0)) return HC_OK;
+  return refuse_largest(
+      world, world->fluid->wall_density, MOST * world->contact_limit,
+      "starts within the samples of a wall: it must keep half a spacing from walls, and a solid "
+      "between two fluids must be a spacing thick",
+      error);
+}
