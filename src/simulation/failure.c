@@ -152,8 +152,10 @@ static bool by_gap(const failure *f, char *text, size_t size) {
   return true;
 }
 
+/* Steps in which gravity alone crosses a support radius press particles together, too. */
 static bool by_overlap(const failure *f, char *text, size_t size) {
-  if (f->simulation->step >= RECENT || !(f->victim.nearest < 0.5)) return false;
+  const double fall = 0.25 * sqrt(f->simulation->control.settings->support_radius / f->before->force_max);
+  if (f->simulation->step >= RECENT || !(f->victim.nearest < 0.5) || f->dt > fall) return false;
   snprintf(text, size,
            "its nearest neighbour is %.3g spacings away, this early: blocks overlap each other or a wall",
            f->victim.nearest);
