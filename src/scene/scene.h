@@ -89,6 +89,9 @@ typedef struct hc_block {
   hc_revolution revolution;
   hc_made_surface made;
   double velocity[3];
+  double velocity_gradient[3][3]; /* 1/s: of component a along axis b */
+  double angular_velocity[3];     /* rad/s */
+  double velocity_center[3];      /* m: where these two add nothing */
   hc_flow flow;
 } hc_block;
 
@@ -248,6 +251,10 @@ typedef struct hc_scene {
   double particle_spacing;
   double support_ratio, support_radius; /* the radius in particle spacings, and in m */
   double gravity[3];
+  struct {
+    double center[3]; /* m */
+    double rate;      /* rad/s: the acceleration is rate^2 towards the centre, a metre off it; 0: none */
+  } central_force;
   double end_time;
   int64_t origin_cells[3]; /* the scene's origin lies at this corner of the cell grid */
 

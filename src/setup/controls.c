@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "setup/fluid.h"
+#include "setup/source.h"
 #include "stepping/adaptive.h"
 #include "stepping/cfl.h"
 #include "stepping/constant.h"
@@ -16,15 +17,29 @@ static double size_of(const hc_scene *scene) {
   return scene->time_step.size;
 }
 
+/* The largest speed of a block at the start, in one of the corners of the box around it. */
+static double block_speed(const hc_block *block) {
+  double gradient[3][3], largest = 0.0;
+  const hc_box box = hc_source_block_bounds(block);
+  hc_source_block_gradient(block, gradient);
+  for (int corner = 0; corner < 8; corner++) {
+    double square = 0.0;
+    for (int a = 0; a < 3; a++) {
+      double v = block->velocity[a];
+      for (int b = 0; b < 3; b++)
+        v += gradient[a][b] * ((corner >> b & 1 ? box.max[b] : box.min[b]) - block->velocity_center[b]);
+      square += v * v;
+    }
+    largest = fmax(largest, sqrt(square));
+  }
+  return largest + (block->flow.type == HC_FLOW_NONE ? 0.0 : block->flow.speed);
+}
+
 /* The largest speed of fluid at the start and of what comes in. */
 static double start_speed(const hc_scene *scene) {
   double largest = 0.0;
-  for (int k = 0; k < scene->fluid.block_count; k++) {
-    const hc_block *block = &scene->fluid.blocks[k];
-    double square = 0.0;
-    for (int axis = 0; axis < 3; axis++) square += block->velocity[axis] * block->velocity[axis];
-    largest = fmax(largest, sqrt(square) + (block->flow.type == HC_FLOW_NONE ? 0.0 : block->flow.speed));
-  }
+  for (int k = 0; k < scene->fluid.block_count; k++)
+    largest = fmax(largest, block_speed(&scene->fluid.blocks[k]));
   return fmax(largest, hc_setup_emitted_speed(scene));
 }
 
@@ -38,7 +53,7 @@ static double by_depth(const hc_scene *scene, double spacings, double depth) {
  * too there is but the end of the run to go by. */
 static double by_gravity(const hc_scene *scene, double share) {
   static const double SPACINGS = 0.4, PARTS = 100.0;
-  const double gravity = hc_setup_gravity(scene), speed = start_speed(scene);
+  const double gravity = hc_setup_pull(scene), speed = start_speed(scene);
   if (gravity > 0.0) return share * sqrt(scene->support_radius / gravity);
   return speed > 0.0 ? SPACINGS * scene->particle_spacing / speed : scene->end_time / PARTS;
 }

@@ -10,6 +10,22 @@ double hc_setup_gravity(const hc_scene *scene) {
   return sqrt(square);
 }
 
+double hc_setup_pull(const hc_scene *scene) {
+  const double rate = scene->central_force.rate;
+  double farthest = 0.0;
+  for (int block = 0; block < scene->fluid.block_count && rate > 0.0; block++) {
+    const hc_box box = hc_source_block_bounds(&scene->fluid.blocks[block]);
+    double square = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+      const double centre = scene->central_force.center[axis],
+                   off = fmax(fabs(box.min[axis] - centre), fabs(box.max[axis] - centre));
+      square += off * off;
+    }
+    farthest = fmax(farthest, square);
+  }
+  return hc_setup_gravity(scene) + rate * rate * sqrt(farthest);
+}
+
 double hc_setup_fluid_height(const hc_scene *scene) {
   const double gravity = hc_setup_gravity(scene);
   double low = INFINITY, high = -INFINITY;

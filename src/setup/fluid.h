@@ -7,6 +7,9 @@
 /* The size of gravity, m/s2. */
 double hc_setup_gravity(const hc_scene *scene);
 
+/* The same with the largest that the central force pulls a block by. */
+double hc_setup_pull(const hc_scene *scene);
+
 /* Of all blocks together, along gravity, m; 0 without gravity. */
 double hc_setup_fluid_height(const hc_scene *scene);
 

@@ -144,6 +144,8 @@ void hc_setup_velocities(const hc_setup_plan *plan, hc_particles *fluid) {
       x[a] = hc_frame_to_metres(&plan->frame, a, fluid->position[3 * i + a]);
       velocity[a] = source->velocity[a];
     }
+    for (int a = 0; a < 3; a++)
+      for (int b = 0; b < 3; b++) velocity[a] += source->gradient[a][b] * (x[b] - source->centre[b]);
     hc_flow_add(&source->flow, x, velocity);
     for (int a = 0; a < 3; a++) fluid->velocity[3 * i + a] = velocity[a];
   }

@@ -27,7 +27,7 @@ double hc_settings_wall_factor(const hc_scene *scene) {
 }
 
 hc_step_report hc_settings_start_report(const hc_scene *scene, double v2_max) {
-  return (hc_step_report){.v_max = sqrt(v2_max), .force_max = hc_setup_gravity(scene)};
+  return (hc_step_report){.v_max = sqrt(v2_max), .force_max = hc_setup_pull(scene)};
 }
 
 unsigned hc_settings_features(const hc_scene *scene) {

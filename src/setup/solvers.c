@@ -29,6 +29,8 @@ static hc_solver_settings common_settings(const hc_scene *scene) {
                                .sound_speed = hc_setup_sound_speed(scene),
                                .negative_pressure = scene->solver.negative_pressure};
   memcpy(common.gravity, scene->gravity, sizeof common.gravity);
+  memcpy(common.centre, scene->central_force.center, sizeof common.centre);
+  common.central_rate = scene->central_force.rate;
   if (scene->fluid.surface_tension.model == HC_TENSION_BECKER2007)
     common.surface_tension = scene->fluid.surface_tension.coefficient;
   return common;

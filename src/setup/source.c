@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static const double max_cells = (double)((int64_t)1 << 31); /* of a coordinate from the scene's origin */
 static const double rounding = 1e-4;   /* spacings, by which samples may lie off their layer */
@@ -182,6 +183,15 @@ static hc_lattice lattice_of(const hc_frame *frame) {
   return lattice;
 }
 
+void hc_source_block_gradient(const hc_block *block, double gradient[3][3]) {
+  for (int a = 0; a < 3; a++) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3; /* omega x r */
+    memcpy(gradient[a], block->velocity_gradient[a], sizeof gradient[a]);
+    gradient[a][c] += block->angular_velocity[b];
+    gradient[a][b] -= block->angular_velocity[c];
+  }
+}
+
 hc_status hc_source_block(const hc_frame *frame, const hc_block *block, int number, hc_setup_source *source,
                           hc_error *error) {
   *source = (hc_setup_source){.kind = HC_ID_FLUID, .number = number};
@@ -194,7 +204,9 @@ hc_status hc_source_block(const hc_frame *frame, const hc_block *block, int numb
       return hc_error_set(error, HC_BAD_INPUT, "%s: velocity must be finite, got %g m/s along %c", name.text,
                           block->velocity[a], axis_names[a]);
     source->velocity[a] = block->velocity[a];
+    source->centre[a] = block->velocity_center[a];
   }
+  hc_source_block_gradient(block, source->gradient);
   if (block->flow.type != HC_FLOW_NONE && !(block->flow.length > 0 && isfinite(block->flow.speed)))
     return hc_error_set(error, HC_BAD_INPUT,
                         "%s: flow.length must be above 0 and flow.speed finite, got %g m and %g m/s",

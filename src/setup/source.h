@@ -13,16 +13,17 @@ typedef struct hc_setup_source {
   hc_sampling sampling;
   hc_gaps gaps; /* samples of it that are left out */
   hc_id_kind kind;
-  int64_t number;     /* place in fluid.blocks or boundary.walls */
-  int64_t first;      /* particles of the same kind before it */
-  double velocity[3]; /* m/s; 0 for walls */
-  hc_flow flow;       /* added to it */
-  hc_shape shape;     /* the block, or the wall's wetted surface */
-  hc_shape layer[2];  /* walls: the surfaces on which the samples lie */
-  int layers;         /* walls: how many of them */
-  double off;         /* walls: spacings by which samples may lie off their layer */
-  bool solid;         /* walls: an obstacle */
-  int64_t moves;      /* walls that move: number + 1; 0: it stands */
+  int64_t number;                   /* place in fluid.blocks or boundary.walls */
+  int64_t first;                    /* particles of the same kind before it */
+  double velocity[3];               /* m/s; 0 for walls */
+  double gradient[3][3], centre[3]; /* 1/s, m: gradient (x - centre) is added to it */
+  hc_flow flow;                     /* added to it */
+  hc_shape shape;                   /* the block, or the wall's wetted surface */
+  hc_shape layer[2];                /* walls: the surfaces on which the samples lie */
+  int layers;                       /* walls: how many of them */
+  double off;                       /* walls: spacings by which samples may lie off their layer */
+  bool solid;                       /* walls: an obstacle */
+  int64_t moves;                    /* walls that move: number + 1; 0: it stands */
 } hc_setup_source;
 
 /* What messages call a source: fluid.blocks[2], boundary.walls[1] "tank". */
@@ -36,6 +37,9 @@ hc_source_name hc_source_wall_name(const hc_wall *wall, int number);
 /* How many layers of samples the scene's walls have, 1 or 2: boundary.layers, or what its method asks for.
  * Local. */
 int hc_setup_layers(const hc_scene *scene);
+
+/* A block's linear velocity field, 1/s: its gradient and its rotation together. Local. */
+void hc_source_block_gradient(const hc_block *block, double gradient[3][3]);
 
 /* Fill a source from entry `number` of the scene, a wall with so many layers; `first` stays 0 and no samples
  * are left out. To be freed with hc_source_free, also after an error: see hc_setup_plan_make for these.

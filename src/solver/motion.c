@@ -43,13 +43,34 @@ float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, doubl
   return change;
 }
 
+/* From the centre of the central force to a particle, m; along periodic axes there is no centre. */
+static void from_centre(const hc_world *world, const hc_solver_settings *settings, int32_t i, double arm[3]) {
+  const hc_frame *frame = &world->frame;
+  for (int axis = 0; axis < 3; axis++)
+    arm[axis] = frame->period[axis] > 0 ? 0.0
+                                        : (double)(world->fluid->position[3 * (size_t)i + (size_t)axis] -
+                                                   hc_frame_to_units(frame, axis, settings->centre[axis])) *
+                                              frame->unit[axis];
+}
+
+void hc_body_force(const hc_world *world, const hc_solver_settings *settings, int32_t i, double force[3]) {
+  const double square = settings->central_rate * settings->central_rate;
+  double arm[3];
+  memcpy(force, settings->gravity, 3 * sizeof *force);
+  if (square == 0.0) return;
+  from_centre(world, settings, i, arm);
+  for (int axis = 0; axis < 3; axis++) force[axis] -= square * arm[axis];
+}
+
 void hc_accelerate(hc_world *world, const hc_solver_settings *settings, const float *change, double dt,
                    int32_t begin, int32_t end) {
   hc_particles *fluid = world->fluid;
   for (int32_t k = begin; k < end; k++) {
+    double force[3];
+    hc_body_force(world, settings, k, force);
     for (int axis = 0; axis < 3; axis++) {
       double *velocity = &fluid->velocity[3 * (size_t)k + axis];
-      *velocity += (double)change[3 * (size_t)k + axis] + dt * settings->gravity[axis];
+      *velocity += (double)change[3 * (size_t)k + axis] + dt * force[axis];
       fluid->motion[k].v[axis] = (float)*velocity;
     }
   }
@@ -61,13 +82,15 @@ double hc_largest_force(const hc_world *world, const hc_solver_settings *setting
   const double rate = 1.0 / dt;
   const bool viscous = settings->viscosity == HC_VISCOUS_LAMINAR ||
                        settings->viscosity == HC_VISCOUS_ARTIFICIAL || settings->surface_tension > 0.0;
-  const int32_t own = viscous || push ? world->fluid->own : world->fluid->own > 0;
+  const bool alike = !viscous && !push && settings->central_rate == 0.0;
+  const int32_t own = alike ? world->fluid->own > 0 : world->fluid->own;
   for (int32_t k = 0; k < own; k++) {
-    double square = 0.0;
+    double square = 0.0, body[3];
+    hc_body_force(world, settings, k, body);
     for (int axis = 0; axis < 3; axis++) {
       const size_t at = 3 * (size_t)k + (size_t)axis;
       const double sum = (viscous ? (double)change[at] : 0.0) + (push ? (double)push[at] : 0.0);
-      const double force = settings->gravity[axis] + sum * rate;
+      const double force = body[axis] + sum * rate;
       square += force * force;
     }
     if (square > largest) largest = square;
@@ -111,6 +134,15 @@ static hc_status look_before_move(hc_world *world, double dt, bool broken, hc_st
   return error->status;
 }
 
+/* Minus the potential of the central force, of a unit of mass. */
+static double central_work(const hc_world *world, const hc_solver_settings *settings, int32_t i) {
+  double arm[3];
+  if (settings->central_rate == 0.0) return 0.0;
+  from_centre(world, settings, i, arm);
+  return -0.5 * settings->central_rate * settings->central_rate *
+         (arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2]);
+}
+
 static void move_all(hc_world *world, const hc_solver_settings *settings, double dt, hc_move_to to,
                      hc_moved *moved) {
   hc_particles *fluid = world->fluid;
@@ -135,6 +167,7 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
       a2 += a * a;
       work += settings->gravity[axis] * hc_frame_to_metres(frame, axis, position[axis]);
     }
+    work += central_work(world, settings, k);
     hc_sum_add(&moved->energy[0], v2);
     hc_sum_add(&moved->energy[1], work);
     if (v2 > moved->v2_max) moved->v2_max = v2;

@@ -219,8 +219,12 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
   start(&step);
   const float *change = hc_find_forces(world, settings, dt);
   predict_walls(&step, 1);
-  for (size_t k = 0; k < 3 * (size_t)world->fluid->own; k++)
-    world->fluid->velocity[k] += (double)change[k] + dt * settings->gravity[k % 3];
+  for (int32_t i = 0; i < world->fluid->own; i++) {
+    double force[3];
+    hc_body_force(world, settings, i, force);
+    for (size_t axis = 0, at = 3 * (size_t)i; axis < 3; axis++, at++)
+      world->fluid->velocity[at] += (double)change[at] + dt * force[axis];
+  }
 
   /* predict, correct */
   hc_stopwatch_enter(&world->watch, HC_STAGE_PRESSURE);

@@ -24,6 +24,7 @@ typedef enum hc_viscous_force {
 /* What every solver heeds; the first member of its own settings. */
 typedef struct hc_solver_settings {
   double gravity[3];
+  double centre[3], central_rate; /* m, rad/s: beside gravity rate^2 (centre - x); 0: nothing */
   double rest_density;
   hc_viscous_force viscosity;
   double viscosity_coefficient; /* xsph: share; artificial: alpha; laminar: m2/s */
@@ -34,7 +35,7 @@ typedef struct hc_solver_settings {
 
 /* What moving adds up: on one rank, until hc_move_note's tally is reduced. */
 typedef struct hc_moved {
-  hc_sum energy[2];                 /* sums of v^2, gravity . x */
+  hc_sum energy[2];                 /* sums of v^2, and of minus the potential */
   double v2_max, a2_max, force_max; /* force_max as in the report */
 } hc_moved;
 
@@ -107,7 +108,10 @@ void hc_solver_tell_caps(const hc_solver_caps *caps, char *text, size_t size);
  * store's scratch. Ghost velocities and, for xsph, inverse densities must be current. Local. */
 float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, double dt);
 
-/* v += change + dt gravity for own particles [begin, end), motion too. Local. */
+/* The acceleration of own particle i by gravity and the central force. Local. */
+void hc_body_force(const hc_world *world, const hc_solver_settings *settings, int32_t i, double force[3]);
+
+/* v += change + dt body force for own particles [begin, end), motion too. Local. */
 void hc_accelerate(hc_world *world, const hc_solver_settings *settings, const float *change, double dt,
                    int32_t begin, int32_t end);
 

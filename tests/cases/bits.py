@@ -55,6 +55,17 @@ def round_tank(case, steps):
     return ranks_agree(case, "tests/cases/round_tank.yaml", (1, 3), (), steps or 100)
 
 
+def drop(case, steps):
+    """A central force and linear velocity fields, dfsph and pcisph."""
+    steps = steps or 15
+    for method in ("dfsph", "pcisph"):
+        settings = (f"solver.method={method}", "particle_spacing=0.1", "domain.max=[0, 0.6, 0]", "fluid.blocks[0].cylinder.length=0.6",
+                    "fluid.blocks[0].velocity_gradient={x: [0, 0, 3], y: [1, 0, 0]}", "fluid.blocks[0].rotation=[0.5, 1, -2]",
+                    "fluid.settle_steps=0", "fluid.disorder=0", "end_time=1", "central_force={center: [0.1, 0.2, -0.3], rate: 4}", "gravity=[0, 0, -1]")
+        agreed = ranks_agree(case, "scenes/elliptical_drop.yaml", (1, 3, 7), settings, steps)
+    return agreed
+
+
 CORNER = "tests/cases/corner.yaml"
 
 
@@ -140,7 +151,7 @@ def diff_sees(case, steps):
 
 
 if __name__ == "__main__":
-    c.main(__doc__, {"dam_break": dam_break, "vortices": vortices, "gauges": gauges,
+    c.main(__doc__, {"dam_break": dam_break, "vortices": vortices, "gauges": gauges, "drop": drop,
                      "round_tank": round_tank,
                      "boundary_methods": boundary_methods, "shock": shock, "rebalanced": rebalanced,
                      "far_away": far_away, "instruction_sets": instruction_sets, "diff_sees": diff_sees})

@@ -143,6 +143,24 @@ def taylor_green(case, _steps):
     return f"energy decays at {rate:.4f} of the exact rate, to {energy[-1] / energy[0]:.3f}"
 
 
+def drops(case, _steps):
+    """Free drops: the semi-axes of one that is stretched, by its second moments; the angular momentum of one that turns."""
+    output = case.run("scenes/elliptical_drop.yaml", "ellipse", 2)
+    first, last = (read(c.snapshots(output)[k]) for k in (0, -1))
+    axes = [2 * np.sqrt(np.var(shot["points"][:, axis])) for shot in (first, last) for axis in (0, 2)]
+    for axis, right in ((0, 0.514266), (1, 1.944517)):
+        found = axes[2 + axis] / axes[axis]
+        c.expect(abs(found / right - 1) <= 0.025, f"a semi-axis of {found:.4f} radii, not {right}")
+    for name, rotation, axis in (("y", "[0, 1, 0]", 1), ("none", "[0, 0, 0]", 1)):
+        output = case.run("scenes/rotating_patch.yaml", f"patch_{name}", 3, ("particle_spacing=0.04", "domain.max=[0, 0.24, 0]",
+                          "fluid.blocks[0].box.max=[0.5, 0.24, 0.5]", f"fluid.blocks[0].rotation={rotation}", "end_time=0.5"))
+        spins = [np.cross(shot["points"], shot["velocity"]).sum(axis=0)[axis] for shot in map(read, c.snapshots(output))]
+        right = (read(c.snapshots(output)[0])["points"][:, (0, 2)]**2).sum() * (name == "y")
+        c.expect(abs(spins[0] - right) <= 1e-6 * max(right, 1e-3), f"rotation {rotation}: a spin of {spins[0]}, not {right}")
+        c.expect(abs(spins[-1] - spins[0]) <= 1e-6 * max(abs(spins[0]), 1e-3), f"rotation {rotation}: the spin went from {spins[0]} to {spins[-1]}")
+    return f"semi-axes {axes[2] / axes[0]:.4f} and {axes[3] / axes[1]:.4f} radii, angular momentum kept"
+
+
 def gauges(case, _steps):
     """Gauges against what follows from the snapshots: momentum for forces, counts for the flow."""
     output = case.run("tests/cases/gauges.yaml", "gauges", 2, ("output.gauges_every=1000",))
@@ -240,6 +258,6 @@ def dam_break(case, steps):
 if __name__ == "__main__":
     c.main(__doc__, {"free_fall": free_fall, "hydrostatic": hydrostatic,
                      "hydrostatic_walled": hydrostatic_walled,
-                     "hydrostatic_pcisph": hydrostatic_pcisph, "corner_pcisph": corner_pcisph, "taylor_green": taylor_green, "gauges": gauges,
+                     "hydrostatic_pcisph": hydrostatic_pcisph, "corner_pcisph": corner_pcisph, "taylor_green": taylor_green, "drops": drops, "gauges": gauges,
                      "round_tank": round_tank,
                      "dam_break": dam_break})
