@@ -26,12 +26,12 @@ static void name_walls(const hc_solver_ops *solver, char *text, size_t size) {
 
 static void check_walls(const hc_scene *scene, hc_findings *findings) {
   const hc_boundary_ops *walls = hc_settings_boundary(scene);
-  if (walls->walls != HC_WALLS_MIRRORED && is_good(findings, "fluid.viscosity.model") &&
-      scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR)
-    hc_findings_error(
-        findings, "fluid.viscosity.model",
-        "fluid.viscosity.model must not be laminar unless boundary.method is akinci2012: only its "
-        "walls hold the fluid at their surface");
+  if (walls->walls != HC_WALLS_MIRRORED && walls->walls != HC_WALLS_PRESSURE &&
+      is_good(findings, "fluid.viscosity.model") && scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR)
+    hc_findings_error(findings, "fluid.viscosity.model",
+                      "fluid.viscosity.model must not be laminar unless boundary.method is akinci2012 or "
+                      "ihmsen2010: walls of "
+                      "the others do not hold the fluid");
   const hc_solver_ops *solver = hc_setup_solver_ops(scene);
   if (solver->walls >> walls->walls & 1) return;
   char names[128];

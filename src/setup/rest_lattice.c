@@ -1,6 +1,7 @@
 #include "rest_lattice.h"
 
 #include "base/check.h"
+#include "base/turns.h"
 #include "sph/kernel.h"
 
 static const double sigma = 8 / 3.14159265358979323846;
@@ -57,6 +58,11 @@ double hc_setup_contact_limit(double spacing_over_h, double factor) {
   return factor * plane_sum(spacing_over_h, 0.5) / plane_sum(spacing_over_h, 0);
 }
 
+double hc_setup_start_limit(double spacing_over_h, double factor) {
+  const double flat = factor * plane_sum(spacing_over_h, 1) / plane_sum(spacing_over_h, 0);
+  return 1.05 * fmax(3 * flat, hc_setup_contact_limit(spacing_over_h, factor));
+}
+
 double hc_setup_wall_share(double spacing_over_h) {
   const double all = hc_setup_rest_lattice_sum(spacing_over_h);
   return 1 - half_sum(spacing_over_h, 1) / all;
@@ -72,6 +78,35 @@ double hc_setup_rest_lattice_gradient(double spacing_over_h) {
         sum += slope * slope;
       }
   return sum;
+}
+
+/* |sum sin(k.x) grad W|^2 of a wave, its numbers in turns a spacing. */
+static double wave_square(double spacing_over_h, const double turns[3]) {
+  const int reach = (int)(1 / spacing_over_h) + 1;
+  double sum[3] = {0, 0, 0};
+  for (int k = -reach; k <= reach; k++)
+    for (int j = -reach; j <= reach; j++)
+      for (int i = -reach; i <= reach; i++) {
+        const double q = spacing_over_h * sqrt(i * i + j * j + k * k);
+        if (q == 0 || q >= 1) continue;
+        const double wave = hc_turns_sine(i * turns[0] + j * turns[1] + k * turns[2]) * kernel_slope(q) / q;
+        sum[0] += wave * spacing_over_h * i;
+        sum[1] += wave * spacing_over_h * j;
+        sum[2] += wave * spacing_over_h * k;
+      }
+  return sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
+}
+
+double hc_setup_rest_lattice_eigenvalue(double spacing_over_h) {
+  enum { STEPS = 12 }; /* to half a turn a spacing */
+  double largest = 0;
+  for (int i = 0; i <= STEPS; i++) /* the lattice looks the same along all axes */
+    for (int j = 0; j <= i; j++)
+      for (int k = 0; k <= j; k++) {
+        const double turns[3] = {0.5 * i / STEPS, 0.5 * j / STEPS, 0.5 * k / STEPS};
+        largest = fmax(largest, wave_square(spacing_over_h, turns));
+      }
+  return largest / hc_setup_rest_lattice_gradient(spacing_over_h);
 }
 
 double hc_setup_half_space(double spacing_over_h, double distance) {

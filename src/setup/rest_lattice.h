@@ -23,9 +23,17 @@ double hc_setup_wall_factor(double spacing_over_h);
  * of h/2. */
 double hc_setup_contact_limit(double spacing_over_h, double factor);
 
+/* The most wall density that fluid may start with: what it has in a right corner a spacing from three walls, or on the
+ * wetted surface, and a little more. */
+double hc_setup_start_limit(double spacing_over_h, double factor);
+
 /* The share of a flat wall, filled with the rest lattice, in the density of its own outermost layer: what
  * fluid at rest on it leaves. 0.85 at a spacing of h/2. Range as above. */
 double hc_setup_wall_share(double spacing_over_h);
+
+/* The largest eigenvalue of what a whole correction of the density solver does to the errors, over the waves
+ * on the rest lattice: |sum sin(k.x) grad W|^2 / sum |grad W|^2. 2.8 at a spacing of h/2, 7.5 at h/3. */
+double hc_setup_rest_lattice_eigenvalue(double spacing_over_h);
 
 /* Sum of |grad W|^2 h^8 over the rest lattice seen from one of its points: of the prototype particle with a
  * filled neighbourhood (Ihmsen et al. 2010, eq. 4), whose gradients themselves cancel. Range as above. */

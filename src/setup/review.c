@@ -22,6 +22,7 @@ typedef struct review {
   hc_frame frame;
   double spacing; /* m */
   hc_setup_source *blocks, *walls;
+  hc_box *bounds; /* of the blocks */
   int block_count, wall_count;
 } review;
 
@@ -159,6 +160,14 @@ static void review_walls(const review *r, const hc_setup_source *block) {
                     "%s must lie within the containers of the scene or above their open faces: a particle "
                     "would start at (%.6g, %.6g, %.6g) m, outside of all walls",
                     hc_source_block_name((int)block->number).text, m.x[0], m.x[1], m.x[2]);
+}
+
+/* Of thousands of blocks most keep apart along an axis that does not repeat. */
+static bool boxes_apart(const review *r, const hc_box *a, const hc_box *b) {
+  for (int axis = 0; axis < 3; axis++)
+    if (r->frame.period[axis] == 0 && (a->min[axis] >= b->max[axis] || b->min[axis] >= a->max[axis]))
+      return true;
+  return false;
 }
 
 static void review_overlap(const review *r, const hc_setup_source *earlier, const hc_setup_source *later) {
@@ -439,23 +448,41 @@ static void review_emitters(const review *r) {
   hc_emitters_free(&emitters);
 }
 
+/* Starts that cannot work, whatever the places. */
+static void review_start(const hc_scene *scene, hc_findings *findings) {
+  if (scene->solver.negative_pressure && scene->fluid.emitter_count > 0)
+    hc_findings_error(
+        findings, "solver.negative_pressure",
+        "solver.negative_pressure must not be true with fluid.emitters: there is a free surface");
+  if (scene->fluid.disorder > 0.0 && scene->fluid.settle_steps == 0)
+    hc_findings_warning(findings, "fluid.disorder",
+                        "fluid.disorder leaves particles too near to each other, which fly apart, unless "
+                        "fluid.settle_steps (50, say) let the start come to rest");
+}
+
 void hc_setup_review(const hc_scene *scene, hc_findings *findings) {
   if (scene->fluid.block_count == 0 && scene->fluid.emitter_count == 0)
     hc_findings_error(findings, "fluid.blocks",
                       "fluid.blocks must have at least one block, or fluid.emitters an emitter: there is no "
                       "fluid");
+  review_start(scene, findings);
   review r = {.scene = scene, .findings = findings};
   if (!review_frame(&r)) return;
   r.spacing = hc_trace_spacing(&r.frame);
   r.blocks = hc_alloc((size_t)scene->fluid.block_count, sizeof *r.blocks);
   r.walls = hc_alloc((size_t)scene->boundary.wall_count, sizeof *r.walls);
   make_sources(&r);
+  r.bounds = hc_alloc((size_t)r.block_count, sizeof *r.bounds);
+  for (int b = 0; b < r.block_count; b++)
+    hc_shape_bounds(&r.blocks[b].shape, r.bounds[b].min, r.bounds[b].max);
   review_emitters(&r);
   const bool all_walls = r.wall_count == scene->boundary.wall_count;
   for (int b = 0; b < r.block_count; b++) {
     review_size(&r, &r.blocks[b]);
     if (all_walls) review_walls(&r, &r.blocks[b]);
-    for (int earlier = 0; earlier < b; earlier++) review_overlap(&r, &r.blocks[earlier], &r.blocks[b]);
+    for (int earlier = 0; earlier < b; earlier++)
+      if (!boxes_apart(&r, &r.bounds[earlier], &r.bounds[b]))
+        review_overlap(&r, &r.blocks[earlier], &r.blocks[b]);
     for (int w = 0; w < r.wall_count; w++) review_spills(&r, &r.blocks[b], &r.walls[w]);
   }
   if (r.block_count == scene->fluid.block_count) hc_setup_control_review(scene, findings);
@@ -463,5 +490,6 @@ void hc_setup_review(const hc_scene *scene, hc_findings *findings) {
   for (int b = 0; b < r.block_count; b++) hc_source_free(&r.blocks[b]);
   for (int w = 0; w < r.wall_count; w++) hc_source_free(&r.walls[w]);
   hc_free(r.blocks);
+  hc_free(r.bounds);
   hc_free(r.walls);
 }

@@ -6,6 +6,7 @@
 #include "solver/dfsph.h"
 #include "solver/pcisph.h"
 
+#include <math.h>
 #include <string.h>
 
 static hc_viscous_force viscosity_of(hc_viscosity_model model) {
@@ -38,6 +39,15 @@ static hc_solver_settings common_settings(const hc_scene *scene) {
 
 /* ---- dfsph ---- */
 
+/* Whole corrections bear what those of the paper's support do, 2.154 spacings; wider ones feed back more.
+ * Where errors count both ways they must not overshoot. */
+static double relaxation_of(const hc_scene *scene) {
+  static const double MOST = 3.2, SIGNED = 0.5;
+  if (scene->solver.relaxation > 0.0) return scene->solver.relaxation;
+  const double ratio = scene->particle_spacing / scene->support_radius;
+  return fmin(scene->solver.negative_pressure ? SIGNED : 1.0, MOST / hc_setup_rest_lattice_eigenvalue(ratio));
+}
+
 static hc_solver_settings *dfsph_settings(const hc_scene *scene) {
   hc_dfsph_settings *settings = hc_alloc(1, sizeof *settings);
   *settings = (hc_dfsph_settings){.common = common_settings(scene),
@@ -48,7 +58,7 @@ static hc_solver_settings *dfsph_settings(const hc_scene *scene) {
                                   .divergence_min = scene->solver.divergence_iterations.min,
                                   .divergence_max = scene->solver.divergence_iterations.max,
                                   .warm_start = scene->solver.warm_start,
-                                  .relaxation = scene->solver.relaxation,
+                                  .relaxation = relaxation_of(scene),
                                   .min_divergence_neighbors = scene->solver.min_divergence_neighbors};
   return &settings->common;
 }

@@ -174,6 +174,7 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
           scene->fluid.rest_density * scene->fluid.mass_factor * h * h * h / hc_setup_rest_lattice_sum(ratio),
       .volume_factor = volume_factor,
       .contact_limit = scene->boundary.contact ? hc_setup_contact_limit(ratio, volume_factor) : 0.0,
+      .start_limit = hc_setup_start_limit(ratio, volume_factor),
       .boundary_ops = hc_settings_boundary(scene),
       .features = hc_settings_features(scene),
       .isa = simulation->isa};

@@ -1,6 +1,7 @@
 #include "solver.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -20,41 +21,49 @@ void hc_solver_tell_caps(const hc_solver_caps *caps, char *text, size_t size) {
 
 /* Refuses the particle with the largest value, of all ranks, if that is more than `most`; `text` says why,
  * with its place before it. */
-static hc_status refuse_largest(const hc_world *world, const float *values, double most, const char *text,
-                                hc_error *error) {
+static hc_status refuse_largest(const hc_world *world, const float *values, double sign, double most,
+                                const char *text, hc_error *error) {
   const hc_particles *fluid = world->fluid;
   int32_t worst = 0;
   for (int32_t k = 1; k < fluid->own; k++)
-    if (values[k] > values[worst]) worst = k;
-  double largest = fluid->own > 0 ? (double)values[worst] : 0.0;
+    if (sign * (double)values[k] > sign * (double)values[worst]) worst = k;
+  const double own = fluid->own > 0 ? sign * (double)values[worst] : -INFINITY;
+  double largest = own;
   hc_comm_max_f64(world->comm, &largest, 1);
-  if (largest > most && fluid->own > 0 && largest == (double)values[worst]) {
+  if (largest > most && largest == own) {
     double at[3];
-    char place[96];
     for (int axis = 0; axis < 3; axis++)
       at[axis] = hc_frame_to_metres(&world->frame, axis, fluid->position[3 * (size_t)worst + (size_t)axis]);
-    snprintf(place, sizeof place, "the fluid at (%.6g, %.6g, %.6g) m", at[0], at[1], at[2]);
-    hc_error_set(error, HC_BAD_INPUT, "%s %s", place, text);
+    hc_error_set(error, HC_BAD_INPUT, "the fluid at (%.6g, %.6g, %.6g) m %s", at[0], at[1], at[2], text);
   }
   return hc_comm_agree(world->comm, error);
 }
 
 hc_status hc_solver_check_density(const hc_world *world, const hc_solver_settings *settings, double most,
                                   const char *key, hc_error *error) {
+  static const double FULL =
+      0.85; /* what is beside a free surface has 0.85 at most, what is disordered more */
   char text[256];
   snprintf(text, sizeof text,
            "is more than %.3g %%%s too dense at the start: fluid lattices must not overlap, and keep half a "
            "spacing "
            "from walls",
            100.0 * most, key);
-  return refuse_largest(world, world->fluid->density, settings->rest_density * (1.0 + most), text, error);
+  if (refuse_largest(world, world->fluid->density, 1.0, settings->rest_density * (1.0 + most), text, error) !=
+      HC_OK)
+    return error->status;
+  if (!settings->negative_pressure) return HC_OK;
+  snprintf(
+      text, sizeof text,
+      "has less than %.3g %% of its rest density at the start, as at a free surface: "
+      "solver.negative_pressure must not be true there, for it would pull the fluid together in one step",
+      100.0 * FULL);
+  return refuse_largest(world, world->fluid->density, -1.0, -FULL * settings->rest_density, text, error);
 }
 
 hc_status hc_solver_check_walls(const hc_world *world, hc_error *error) {
-  static const double MOST = 1.05; /* of what a flat wall has on its surface: corners have nearly as much */
-  if (!(world->contact_limit > 0.0)) return HC_OK;
   return refuse_largest(
-      world, world->fluid->wall_density, MOST * world->contact_limit,
+      world, world->fluid->wall_density, 1.0, world->start_limit,
       "starts within the samples of a wall: it must keep half a spacing from walls, and a solid "
       "between two fluids must be a spacing thick",
       error);

@@ -89,10 +89,10 @@ typedef struct hc_solver_ops {
 /* Does it work with the step control of that name? Local. */
 bool hc_solver_works_with(const hc_solver_ops *solver, const char *control);
 
-/* For hc_solver_ops.check_start: refuses fluid that is squeezed from the start by more than the share `most`
- * of its rest density, as where it is too near to a wall: the pressure that pushes it apart in one step knows
- * no bounds. `key`: the scene key that allows so much, for the message, or "". Collective; HC_BAD_INPUT,
- * agreed. */
+/* For hc_solver_ops.check_start: refuses a free surface where pressures may be negative, and fluid that is
+ * squeezed from the start by more than the share `most` of its rest density, as where it is too near to a
+ * wall: the pressure that pushes it apart in one step knows no bounds. `key`: the scene key that allows so
+ * much, for the message, or "". Collective; HC_BAD_INPUT, agreed. */
 hc_status hc_solver_check_density(const hc_world *world, const hc_solver_settings *settings, double most,
                                   const char *key, hc_error *error);
 

@@ -71,9 +71,10 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
   expect_ready(fluid, HC_WHOLE(place) | HC_WHOLE(motion) | HC_SCALAR(motion), fluid, selection);
   expect_walls(sweep);
   const hc_float volume = hc_set(sweep->volume);
+  const bool frozen = walls_are == NO_SLIP && sweep->walls_add == HC_WALLS_PRESSURE; /* volumes of fluid */
   const bool walls_take_part =
-      walls_are != NO_WALLS && sweep->walls_add == HC_WALLS_MIRRORED; /* else no volumes */
-  if (walls_take_part) EXPECT_FIELD(fluid, wall_gradient);
+      walls_are != NO_WALLS && (sweep->walls_add == HC_WALLS_MIRRORED || frozen); /* else no volumes */
+  if (walls_take_part && !frozen) EXPECT_FIELD(fluid, wall_gradient);
   block_vectors changes;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
@@ -81,8 +82,9 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
       const int32_t i = hc_selected(selection, first + k);
       const self own = make_self(sweep, &fluid->place[i]);
       const viscous_self state = {spread_velocity(&fluid->motion[i]), hc_set(fluid->motion[i].scalar),
-                                  walls_take_part ? wall_normal(&fluid->wall_gradient[3 * (size_t)i])
-                                                  : (vector){hc_set(0.0f), hc_set(0.0f), hc_set(0.0f)}};
+                                  walls_take_part && !frozen
+                                      ? wall_normal(&fluid->wall_gradient[3 * (size_t)i])
+                                      : (vector){hc_set(0.0f), hc_set(0.0f), hc_set(0.0f)}};
       vector_sums sum = no_sums();
       const row row = row_of(sweep->list, first + k);
       for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
@@ -106,8 +108,9 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
             const vector other = load_velocity(sweep->boundary->motion, walls.offset + at, &unused);
             relative = relative_velocity(&state.velocity, &other);
           }
-          if (walls_are == NO_SLIP) relative = relative_to_surface(sweep, &state, &p, &relative);
-          add(&sum, part, &state, &p, &relative, hc_keep(p.scalar, walls.count - at), hc_set(1.0f));
+          if (walls_are == NO_SLIP && !frozen) relative = relative_to_surface(sweep, &state, &p, &relative);
+          add(&sum, part, &state, &p, &relative, hc_keep(frozen ? volume : p.scalar, walls.count - at),
+              hc_set(1.0f));
         }
       }
       store_vector(&changes, k, &sum);

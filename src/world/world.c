@@ -30,6 +30,7 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
   world->mass = settings->mass;
   world->volume_factor = settings->volume_factor;
   world->contact_limit = settings->contact_limit;
+  world->start_limit = settings->start_limit;
   world->boundary_ops = settings->boundary_ops;
   hc_domain_init(&world->domain, comm, &world->frame);
   init_stores(world, settings->features);

@@ -39,6 +39,7 @@ typedef struct hc_world {
   hc_sweep sweep;
   const hc_boundary_ops *boundary_ops;
   double volume_factor, contact_limit; /* see boundary.h; limit 0: no contact */
+  double start_limit;                  /* the most wall density that fluid may start with */
   double mass;                         /* kg, of a fluid particle */
   int64_t fluid_total, boundary_total;
   hc_division division; /* the last */
@@ -50,6 +51,7 @@ typedef struct hc_world_settings {
   hc_frame frame;
   double rest_density, mass;           /* kg/m3, kg */
   double volume_factor, contact_limit; /* see boundary.h; limit 0: no contact */
+  double start_limit;                  /* the most wall density that fluid may start with */
   const hc_boundary_ops *boundary_ops;
   unsigned features; /* HC_FOR_*: of solver, boundary method and movers together */
   hc_isa isa;        /* the same on every rank */

@@ -83,7 +83,7 @@ SCENES = {
     "unknown boundary method": (added("boundary: {method: ihmsen}"), "4:20", "one of akinci2012, ihmsen2010"),
     "laminar without volumes": (changed("{blocks", "{viscosity: {model: laminar}, blocks")
                                 + "solver: {method: pcisph}\nboundary: {method: becker2009}\n", "3:28",
-                                "must not be laminar unless boundary.method is akinci2012"),
+                                "must not be laminar unless boundary.method is akinci2012 or ihmsen2010"),
     "more than sticks": (added("boundary: {friction: 1.5}"), "4:22", "boundary.friction must be in [0, 1], not '1.5'"),
     "negative bounce": (added("boundary: {elasticity: -0.1}"), "4:24", "boundary.elasticity must be in [0, 1]"),
     "error of one below that of all": (added("solver: {method: pcisph, density_error_avg: 0.01, density_error_max: 0.001}\ntime_step: {control: cfl}"),
@@ -133,6 +133,8 @@ SCENES = {
     "a gradient of numbers": (changed("{blocks: [{", "{blocks: [{velocity_gradient: [1, 2, 3], "), "velocity_gradient must be a map"),
     "a short gradient": (changed("{blocks: [{", "{blocks: [{velocity_gradient: {x: [1, 2]}, "), "velocity_gradient.x must be a list of 3 numbers"),
     "an endless rotation": (changed("{blocks: [{", "{blocks: [{rotation: [0, .inf, 0], "), "rotation[1] must be finite"),
+    "negative pressure with emitters": (changed("{blocks", "{emitters: [{disc: {position: [0.2, 0.2, 0.5], direction: [0, 0, -1], radius: 0.1}, speed: 1}], blocks")
+                                        + "solver: {negative_pressure: true}\n", "negative_pressure must not be true with fluid.emitters"),
     "wide ratio": (added("support_ratio: 5"), "4:16", "support_ratio must be in [1.5, 4]"),
     "two supports": (added("support_radius: 0.16\nsupport_ratio: 2"), "4:17", "support_radius must be support_ratio particle_spacing"),
     "wide support": (added("support_radius: 1"), "4:17", "support_radius must be 1.5 to 4 particle_spacing"),

@@ -73,12 +73,12 @@ def boundary_methods(case, steps):
     """PCISPH with every boundary method, with and without the correction of densities at the surface."""
     steps = steps or 40
     for method, correction, viscosity in (("ihmsen2010", "none", "artificial"), ("ihmsen2010", "shepard", "xsph"),
-                                          ("becker2009", "none", "artificial"), ("harada2007", "shepard", "none"),
+                                          ("ihmsen2010", "none", "laminar"), ("becker2009", "none", "artificial"), ("harada2007", "shepard", "none"),
                                           ("akinci2012", "none", "laminar")):
         settings = (f"boundary.method={method}", f"solver.density_correction={correction}",
                     f"fluid.viscosity={{model: {viscosity}, coefficient: 0.001}}", "time_step.control=constant",
                     "time_step.size=0.004", "fluid.surface_tension={model: becker2007, coefficient: 1e-4}")
-        runs = [case.run(CORNER, f"{method}_{correction}_{n}", n, settings, ["--steps", steps]) for n in (1, 3)]
+        runs = [case.run(CORNER, f"{method}_{correction}_{viscosity}_{n}", n, settings, ["--steps", steps]) for n in (1, 3)]
         compare(case, *runs)
     return f"{steps} steps with each boundary method are the same on 1 and 3 ranks"
 

@@ -112,6 +112,21 @@ START_TEST(a_particle_too_fast_for_its_neighborhood) {
 }
 END_TEST
 
+/* Starts that cannot work: pressures below 0 beside a free surface, fluid that is squeezed. */
+START_TEST(starts_that_cannot_work_are_refused) {
+  for (int squeezed = 0; squeezed < 2; squeezed++) {
+    hc_scene scene = tank();
+    hc_error error = {.status = HC_OK};
+    hc_simulation simulation;
+    scene.solver.negative_pressure = !squeezed;
+    if (squeezed) scene.fluid.mass_factor = 1.3;
+    EXPECT(hc_simulation_init(&simulation, &comm, &scene, &error) == HC_BAD_INPUT);
+    ck_assert_msg(strstr(error.text, squeezed ? "too dense at the start" : "as at a free surface"), "%s",
+                  error.text);
+  }
+}
+END_TEST
+
 /* What the solver itself makes: the end of the step finds it, too. */
 static void broken_pressure(const hc_sweep *sweep, float weight, float *multiplier, hc_selection selection) {
   good_sweeps->pressure(sweep, weight, multiplier, selection);
@@ -273,6 +288,7 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, a_multiplier_that_is_no_number);
   tcase_add_test(tests, a_density_that_is_no_number);
   tcase_add_test(tests, a_particle_too_fast_for_its_neighborhood);
+  tcase_add_test(tests, starts_that_cannot_work_are_refused);
   tcase_add_test(tests, a_speed_that_the_solver_made);
   tcase_add_test(tests, the_worst_particle_is_named);
   tcase_add_test(tests, far_too_many_particles_in_one_cell);
