@@ -41,8 +41,7 @@ static hc_status refuse_largest(const hc_world *world, const float *values, doub
 
 hc_status hc_solver_check_density(const hc_world *world, const hc_solver_settings *settings, double most,
                                   const char *key, hc_error *error) {
-  static const double FULL =
-      0.85; /* what is beside a free surface has 0.85 at most, what is disordered more */
+  static const double FULL = 0.9; /* beside a free surface it is 0.85 at most */
   char text[256];
   snprintf(text, sizeof text,
            "is more than %.3g %%%s too dense at the start: fluid lattices must not overlap, and keep half a "
