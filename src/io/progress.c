@@ -59,7 +59,7 @@ static void show(hc_progress *progress, const hc_progress_sample *sample, double
   }
   char left[32], line[512];
   format_duration(left, progress->rate > 0 ? (progress->end_time - sample->time) / progress->rate : NAN);
-  const double share = progress->end_time > 0 ? 100 * sample->time / progress->end_time : 100;
+  const double share = sample->time < progress->end_time ? 100 * sample->time / progress->end_time : 100;
   snprintf(line, sizeof line,
            "%.4f/%.4g s %3.0f%%  step %" PRId64 "  dt %.3g s  iterations %d+%d  density error %.2g%%  "
            "%.3g particles/s  imbalance %.2f  %s left",

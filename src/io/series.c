@@ -1,7 +1,10 @@
 #include "series.h"
 
 #include "atomic_file.h"
+#include "base/memory.h"
 #include "json.h"
+#include "numbered.h"
+#include "snapshot_read.h"
 #include "text.h"
 
 #include <errno.h>
@@ -56,6 +59,35 @@ static hc_status rewrite(const char *directory, int number, bool cut, double tim
 
 hc_status hc_series_add(const char *directory, int number, double time, hc_error *error) {
   return rewrite(directory, number, false, time, error);
+}
+
+static hc_status add_from_file(const char *directory, int number, hc_error *error) {
+  char path[HC_TEXT_PATH];
+  hc_snapshot_file file;
+  hc_error unreadable = {.status = HC_OK};
+  if (hc_text_path(path, error, "%s/snap_%06d.hdf", directory, number) != HC_OK) return error->status;
+  if (hc_snapshot_read_open(path, &file, &unreadable) != HC_OK) return HC_OK;
+  const double time = file.facts.time;
+  hc_snapshot_read_close(&file);
+  return hc_series_add(directory, number, time, error);
+}
+
+hc_status hc_series_restore(const char *directory, int number, bool *made, hc_error *error) {
+  char path[HC_TEXT_PATH];
+  int64_t *numbers;
+  size_t count = 0;
+  *made = false;
+  hc_status status = hc_text_path(path, error, "%s/run.hdf.series", directory);
+  if (status != HC_OK || access(path, F_OK) == 0) return status;
+  status = hc_numbered_list(&(hc_numbered){directory, "snap_", ".hdf"}, &numbers, &count, error);
+  if (status != HC_OK) return status;
+  for (size_t k = count; k-- > 0 && status == HC_OK;) /* the largest stands first */
+    if (numbers[k] < number) {
+      status = add_from_file(directory, (int)numbers[k], error);
+      *made = true;
+    }
+  hc_free(numbers);
+  return status;
 }
 
 hc_status hc_series_cut(const char *directory, int number, hc_error *error) {

@@ -7,11 +7,13 @@
 #include "seal.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -305,6 +307,14 @@ static bool begins_as_hdf5(const char *path) {
   return same;
 }
 
+/* HDF5 locks what it has open for writing, as others may. */
+static bool is_locked(const char *path) {
+  const int file = open(path, O_RDONLY | O_CLOEXEC);
+  const bool locked = file >= 0 && flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (file >= 0) close(file);
+  return locked;
+}
+
 hc_status hc_snapshot_read_open(const char *path, hc_snapshot_file *file, hc_error *error) {
   hc_error problem = {.status = HC_OK};
   hc_h5_silence();
@@ -320,7 +330,10 @@ hc_status hc_snapshot_read_open(const char *path, hc_snapshot_file *file, hc_err
   if (!file->checkpoint && !begins_as_hdf5(path)) return broken(file, error, "not an HDF5 file");
   file->handle = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file->handle < 0) {
-    hc_h5_failed(&problem, HC_BAD_INPUT, "a damaged or truncated HDF5 file");
+    const bool in_use = is_locked(path);
+    hc_h5_failed(&problem, HC_BAD_INPUT,
+                 in_use ? "in use by another program, which has locked it"
+                        : "a damaged or truncated HDF5 file");
     return broken(file, error, "%s", problem.text);
   }
   const hid_t own = H5Gopen2(file->handle, "Halocline", H5P_DEFAULT);

@@ -3,6 +3,8 @@
 #include "halocline/version.h"
 #include "io/atomic_file.h"
 #include "io/run_dir.h"
+#include "io/series.h"
+#include "io/text.h"
 #include "io/timings.h"
 #include "job.h"
 #include "scene/writer.h"
@@ -24,6 +26,21 @@ static char *gauge_names(const hc_scene *scene) {
   return names;
 }
 
+/* What of a run that goes on is there no more: told, and made anew where that can be. */
+static void mind_losses(hc_job *job, hc_error *error) {
+  const char *const tables[] = {"steps.csv", "load.csv", "gauges.csv"};
+  const int count = job->scene->output.gauge_count > 0 ? 3 : 2;
+  char path[HC_TEXT_PATH];
+  for (int k = 0; k < count && error->status == HC_OK; k++)
+    if (hc_text_path(path, error, "%s/%s", job->directory, tables[k]) == HC_OK && access(path, F_OK) != 0)
+      hc_log_warn(&job->log, "%s is not there: it begins anew behind step %lld", path,
+                  (long long)job->simulation.step);
+  bool made = false;
+  if (error->status == HC_OK && hc_text_path(path, error, "%s/snapshots", job->directory) == HC_OK)
+    hc_series_restore(path, (int)job->counts.snapshots, &made, error);
+  if (made) hc_log_warn(&job->log, "%s/run.hdf.series was not there: made anew from the snapshots", path);
+}
+
 hc_status hc_job_open_files(hc_job *job, hc_error *error) {
   const bool resumed = *job->checkpoint != '\0';
   const bool cut = resumed && (job->taken_back || !hc_job_is_over(job)); /* else the end's files stay */
@@ -38,6 +55,7 @@ hc_status hc_job_open_files(hc_job *job, hc_error *error) {
        hc_run_dir_open(job->comm, job->directory, mode, error) != HC_OK))
     return error->status;
   if (job->comm->rank == 0 && hc_log_open(&job->log, job->directory, resumed, error) == HC_OK) {
+    if (resumed) mind_losses(job, error);
     if (cut) hc_run_dir_cut(job->directory, job->simulation.step, job->counts.snapshots, error);
     char *names = gauge_names(job->scene), *scene = hc_scene_text(job->scene);
     if (error->status == HC_OK)

@@ -361,6 +361,9 @@ static hc_status run_with_files(hc_job *job, hc_error *error) {
   const double begin = job->simulation.time;
   if (hc_job_open_files(job, error) != HC_OK) return error->status;
   hc_job_log_start(job);
+  if (begin > job->scene->end_time)
+    hc_log_warn(&job->log, "the checkpoint is at %g s, past end_time (%g s): there is nothing left to do",
+                begin, job->scene->end_time);
   const bool show = job->comm->rank == 0 && !job->options->quiet;
   hc_progress_start(&job->progress, show ? stdout : NULL, show && hc_progress_on_terminal(stdout), begin,
                     job->scene->end_time);

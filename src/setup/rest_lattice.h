@@ -23,8 +23,8 @@ double hc_setup_wall_factor(double spacing_over_h);
  * of h/2. */
 double hc_setup_contact_limit(double spacing_over_h, double factor);
 
-/* The most wall density that fluid may start with: what it has in a right corner a spacing from three walls, or on the
- * wetted surface, and a little more. */
+/* The most wall density that fluid may start with: what it has in a right corner a spacing from three walls,
+ * or on the wetted surface, and a little more. */
 double hc_setup_start_limit(double spacing_over_h, double factor);
 
 /* The share of a flat wall, filled with the rest lattice, in the density of its own outermost layer: what

@@ -1,5 +1,6 @@
 """Runs that are stopped and go on: the same bytes as without a stop, whatever the ranks; and checkpoints that are damaged."""
 
+import fcntl
 import json
 import os
 import random
@@ -223,6 +224,29 @@ def taken_back(case, _):
     return "later checkpoints go before the rows do"
 
 
+def losses(case, _):
+    """A run that goes on says what of it is not there, makes the series anew, and says where there is nothing left to do."""
+    scene, output = scene_of(case), case.folder / "losses"
+    launch(case, scene, output, 1, ["--steps", 60])
+    series = output / "snapshots" / "run.hdf.series"
+    kept = series.read_text(encoding="utf-8")
+    series.unlink()
+    (output / "steps.csv").unlink()
+    text = launch(case, scene, output, 2, ["--restart", "--steps", 60])
+    for word in ("steps.csv is not there: it begins anew behind step 60", "run.hdf.series was not there: made anew from the snapshots"):
+        expect(word in text, f"nothing says {word!r}:\n{text}")
+    entries = [line.strip(" ,") for line in kept.splitlines() if "snap_" in line]
+    missing = [entry for entry in entries[:-1] if entry not in series.read_text(encoding="utf-8")]  # the last is the end's
+    expect(entries[1:] and not missing, f"the series made anew lacks {missing}")
+    text = launch(case, scene, output, 1, ["--restart", "--set", "end_time=0.001"])
+    expect("past end_time (0.001 s): there is nothing left to do" in text, f"a run past its end says nothing:\n{text}")
+    with open(snapshots(output)[0], "rb") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        text = case.call(["info", snapshots(output)[0]], expected=2)
+    expect("in use by another program" in text, f"info on a locked file: {text}")
+    return "lost files are told, the series is made anew, an end that is past and a locked file are called so"
+
+
 def damage(case, count):
     """Random damage of the newest of two checkpoints: always found, and the older one taken, or exit code 3."""
     scene = scene_of(case)
@@ -320,5 +344,5 @@ def disk_full(case, _):
 
 
 if __name__ == "__main__":
-    main(__doc__, {"exact": exact, "brief": brief, "stops": stops, "scenes": scenes, "choice": choice, "taken_back": taken_back, "damage": damage,
+    main(__doc__, {"exact": exact, "brief": brief, "stops": stops, "scenes": scenes, "choice": choice, "taken_back": taken_back, "losses": losses, "damage": damage,
                    "disk_full": disk_full})
