@@ -65,9 +65,9 @@ void hc_explain_time_step(hc_explained *explained, const hc_simulation *simulati
     return;
   }
   hc_log_info(log,
-              "step %lld, t = %g s: time step %.4g s, bounded by: %s; now particle %lld at (%g, %g, %g) m "
+              "step %lld, t = %g s: time step %.4g s, bounded by: %s; now particle %s at (%g, %g, %g) m "
               "has %.4g %s",
               (long long)simulation->step, simulation->time, dt, hc_step_bound_name(bound),
-              (long long)found.id, found.place[0], found.place[1], found.place[2], found.size,
-              bound == HC_BOUND_VELOCITY ? "m/s" : "m/s2");
+              hc_simulation_particle_name(simulation->scene, found.id).text, found.place[0], found.place[1],
+              found.place[2], found.size, bound == HC_BOUND_VELOCITY ? "m/s" : "m/s2");
 }

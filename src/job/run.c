@@ -151,9 +151,9 @@ static void tell_departures(hc_job *job, char *event, size_t size) {
   if (departures->count == 0) return;
   int64_t told = 0;
   for (; told < departures->named && job->counts.departed < HC_LEAVING_NAMED; told++, job->counts.departed++)
-    hc_log_warn(&job->log, "step %lld: particle %lld has left the world at (%.6g, %.6g, %.6g) m; removed",
-                step, (long long)departures->first[told].id, departures->first[told].at[0],
-                departures->first[told].at[1], departures->first[told].at[2]);
+    hc_log_warn(&job->log, "step %lld: particle %s has left the world at (%.6g, %.6g, %.6g) m; removed", step,
+                hc_simulation_particle_name(job->scene, (int64_t)departures->first[told].id).text,
+                departures->first[told].at[0], departures->first[told].at[1], departures->first[told].at[2]);
   if (told < departures->count)
     hc_log_warn_counted(&job->log, ++job->counts.departed - HC_LEAVING_NAMED,
                         "step %lld: %lld particles have left the world; removed", step,

@@ -19,6 +19,10 @@ static inline int64_t hc_id_source_of(uint64_t id) {
   return (int64_t)(id >> HC_ID_COUNTER_BITS) & (HC_ID_MAX_SOURCES - 1);
 }
 
+static inline int64_t hc_id_counter_of(uint64_t id) {
+  return (int64_t)(id & (uint64_t)(HC_ID_MAX_COUNTER - 1));
+}
+
 static inline hc_id_kind hc_id_kind_of(uint64_t id) {
   return (hc_id_kind)(id >> (HC_ID_SOURCE_BITS + HC_ID_COUNTER_BITS));
 }

@@ -231,10 +231,10 @@ static void describe_victim(const failure *f, char *text, size_t size) {
   const victim *v = &f->victim;
   if (v->fluid_neighbors < 0) return;
   snprintf(text, size,
-           "\n  particle %lld: at (%.6g, %.6g, %.6g) m, speed %.4g m/s, density error %.3g %%, %d "
+           "\n  particle %s: at (%.6g, %.6g, %.6g) m, speed %.4g m/s, density error %.3g %%, %d "
            "neighbours and %d of walls",
-           (long long)f->fault.id, v->at[0], v->at[1], v->at[2], fabs(v->speed), 100.0 * v->density_error,
-           v->fluid_neighbors, v->wall_neighbors);
+           hc_simulation_particle_name(f->simulation->scene, f->fault.id).text, v->at[0], v->at[1], v->at[2],
+           fabs(v->speed), 100.0 * v->density_error, v->fluid_neighbors, v->wall_neighbors);
 }
 
 void hc_failure_explain(hc_simulation *simulation, double dt, const hc_step_report *before, hc_error *error) {

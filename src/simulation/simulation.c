@@ -3,6 +3,7 @@
 #include "base/cgroup.h"
 #include "base/memory.h"
 #include "footprint.h"
+#include "particles/ids.h"
 #include "setup/controls.h"
 #include "setup/rest_lattice.h"
 #include "setup/settings.h"
@@ -10,6 +11,7 @@
 #include "setup/world_frame.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static hc_isa agree_on_isa(hc_comm *comm) {
@@ -94,6 +96,15 @@ static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   hc_world_update(world);
   hc_setup_plan_free(&simulation->plan);
   return HC_OK;
+}
+
+hc_particle_name hc_simulation_particle_name(const hc_scene *scene, int64_t id) {
+  hc_particle_name name;
+  const int64_t source = hc_id_source_of((uint64_t)id), blocks = scene->fluid.block_count;
+  snprintf(name.text, sizeof name.text, "%lld (number %lld of fluid.%s[%lld])", (long long)id,
+           (long long)hc_id_counter_of((uint64_t)id), source < blocks ? "blocks" : "emitters",
+           (long long)(source < blocks ? source : source - blocks));
+  return name;
 }
 
 double hc_simulation_fastest(const hc_particles *fluid) {

@@ -88,6 +88,12 @@ void hc_simulation_show_now(hc_simulation *simulation, hc_state_copy *now);
  * acceleration. Collective. */
 void hc_simulation_fill_derived(hc_simulation *simulation);
 
+/* What a user can find a fluid particle by: "959 (number 959 of fluid.blocks[0])". Local. */
+typedef struct hc_particle_name {
+  char text[96];
+} hc_particle_name;
+hc_particle_name hc_simulation_particle_name(const hc_scene *scene, int64_t id);
+
 /* The largest squared speed of own particles, m2/s2. Local. */
 double hc_simulation_fastest(const hc_particles *fluid);
 

@@ -44,9 +44,9 @@ hc_status hc_solver_check_density(const hc_world *world, const hc_solver_setting
   static const double FULL = 0.9; /* beside a free surface it is 0.85 at most */
   char text[256];
   snprintf(text, sizeof text,
-           "is more than %.3g %%%s too dense at the start: fluid lattices must not overlap, and keep half a "
-           "spacing "
-           "from walls",
+           "is more than %.3g %%%s too dense at the start: fluid lattices must not overlap, be settled if "
+           "they are "
+           "disordered, and keep half a spacing from walls, which must be a spacing thick",
            100.0 * most, key);
   if (refuse_largest(world, world->fluid->density, 1.0, settings->rest_density * (1.0 + most), text, error) !=
       HC_OK)

@@ -19,7 +19,7 @@ RANKS = (1, 3)
 # Name: settings, the step that fails, and what the message must hold.
 FAULTS = {
     "no number": (["faults.nan_at=12"], 13, "the velocity or pressure of particle 959 was no number",
-                  "particle 959: at (0.776079, 0.475098, 0.271327) m", "likely cause: the test hook faults.nan_at"),
+                  "particle 959 (number 959 of fluid.blocks[0]): at (0.776079, 0.475098, 0.271327) m", "likely cause: the test hook faults.nan_at"),
     "kicked": (["faults.kick_at=12"], 13, "particle 959 would move by 396 m", "more than a support radius",
                "likely cause: the test hook faults.kick_at"),
     "no number, portable viscosity": (["faults.nan_at=2", "fluid.viscosity.model=artificial"], 3, "particle 959"),
@@ -132,7 +132,7 @@ def removed(case, _):
         for one, other in zip(c.snapshots(runs[0]), c.snapshots(run)):
             case.diff(one, other)
     log = (runs[0] / "run.log").read_text(encoding="utf-8")
-    single = re.findall(r"warning step \d+: particle \d+ has left the world at \(.*\) m; removed", log)
+    single = re.findall(r"warning step \d+: particle \d+ \(number \d+ of fluid\.blocks\[\d+\]\) has left the world at \(.*\) m; removed", log)
     c.expect(len(single) == 10, f"{len(single)} particles are told one by one, not 10")
     c.expect(re.search(r"warning step \d+: \d+ particles have left the world; removed", log), "no count of the others")
     return f"{1920 - total} particles that left were removed, on 1, 3 and 4 ranks"
