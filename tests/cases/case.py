@@ -24,9 +24,9 @@ MPI_ENVIRONMENT = {
 
 
 def mpi_environment(ranks, folder):
-    """That of a program on so many ranks. Without a launcher Open MPI keeps its files in this folder: in a common one, programs
-    that run at the same time take each other's for theirs."""
-    alone = {"OMPI_MCA_orte_tmpdir_base": str(folder)} if ranks == 1 else {}
+    """That of a program on so many ranks. Without a launcher Open MPI keeps its files in a folder of its own, within this one: in
+    a common one, programs that run at the same time take each other's for theirs."""
+    alone = {"OMPI_MCA_orte_tmpdir_base": tempfile.mkdtemp(prefix="mpi_", dir=folder)} if ranks == 1 else {}
     return {**MPI_ENVIRONMENT, **os.environ, **alone}
 
 

@@ -73,7 +73,7 @@ static void expect_named(break_what what, const char *sentence) {
   for (uint64_t id = 0; id < PARTICLES; id += PARTICLES / 5) {
     hc_error error, alone;
     break_and_step(&comm, &scene, what, id, &error);
-    snprintf(name, sizeof name, "\n  particle %d: at (", (int)id);
+    snprintf(name, sizeof name, "\n  particle %d (number %d of fluid.blocks[0]): at (", (int)id, (int)id);
     ck_assert_msg(strstr(error.text, sentence) && strstr(error.text, name) &&
                       strstr(error.text, "in step 4 at"),
                   "%s", error.text);
