@@ -9,7 +9,8 @@
 typedef struct viscous_self {
   vector velocity;
   hc_float inverse_density;
-  vector normal; /* of the wall, of unit length or zero */
+  vector normal;     /* of the wall, of unit length or zero */
+  hc_float distance; /* from walls of frozen fluid, in support radii */
 } viscous_self;
 
 /* Adds one pair's viscous force. `volume` is the neighbours', 0 in lanes to drop. */
@@ -45,6 +46,32 @@ HC_INLINE vector relative_to_surface(const hc_sweep *sweep, const viscous_self *
   return (vector){factor * relative->x, factor * relative->y, factor * relative->z};
 }
 
+/* The same for a sample of frozen fluid that looks where `facing` says: the deeper the layer it is of, the
+ * more. */
+HC_INLINE vector relative_to_layer(const hc_sweep *sweep, const viscous_self *own, const pair *p,
+                                   const vector *facing, const vector *relative) {
+  const hc_float behind = hc_set(sweep->wall_offset), height = dot_pair(facing, p);
+  const hc_float before = hc_max(own->distance, behind), depth = hc_max(height - own->distance, behind);
+  const hc_float factor = hc_set(1.0f) + hc_min(depth / before, hc_set(3.0f));
+  return (vector){factor * relative->x, factor * relative->y, factor * relative->z};
+}
+
+/* How far a particle is from the surface in front of the samples in its row, in support radii: the nearest
+ * are half a spacing behind it. */
+static float distance_from_walls(const hc_sweep *sweep, int32_t i, const uint32_t *offset, int32_t count) {
+  double least = 1.0;
+  for (int32_t k = 0; k < count; k++) {
+    const size_t b = offset[k] / sizeof(hc_record);
+    double height = 0.0;
+    for (int axis = 0; axis < 3; axis++)
+      height += (double)(int32_t)((uint32_t)sweep->fluid->place[i].x[axis] -
+                                  (uint32_t)sweep->boundary->place[b].x[axis]) *
+                sweep->scale[axis] * sweep->boundary->facing[b].v[axis];
+    if (height > 0.0 && height < least) least = height;
+  }
+  return (float)(least - sweep->wall_offset);
+}
+
 HC_INLINE vector wall_normal(const float gradient[3]) {
   const float square = gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2];
   const float scale = square > 0.0f ? 1.0f / sqrtf(square) : 0.0f;
@@ -75,16 +102,20 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
   const bool walls_take_part =
       walls_are != NO_WALLS && (sweep->walls_add == HC_WALLS_MIRRORED || frozen); /* else no volumes */
   if (walls_take_part && !frozen) EXPECT_FIELD(fluid, wall_gradient);
+  if (frozen) EXPECT_FIELD(sweep->boundary, facing);
   block_vectors changes;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = hc_selected(selection, first + k);
       const self own = make_self(sweep, &fluid->place[i]);
-      const viscous_self state = {spread_velocity(&fluid->motion[i]), hc_set(fluid->motion[i].scalar),
-                                  walls_take_part && !frozen
-                                      ? wall_normal(&fluid->wall_gradient[3 * (size_t)i])
-                                      : (vector){hc_set(0.0f), hc_set(0.0f), hc_set(0.0f)}};
+      const struct row walls = row_of(sweep->walls, first + k);
+      viscous_self state = {.velocity = spread_velocity(&fluid->motion[i]),
+                            .inverse_density = hc_set(fluid->motion[i].scalar),
+                            .normal = {hc_set(0.0f), hc_set(0.0f), hc_set(0.0f)},
+                            .distance = hc_set(0.0f)};
+      if (walls_take_part && !frozen) state.normal = wall_normal(&fluid->wall_gradient[3 * (size_t)i]);
+      if (frozen) state.distance = hc_set(distance_from_walls(sweep, i, walls.offset, walls.count));
       vector_sums sum = no_sums();
       const row row = row_of(sweep->list, first + k);
       for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
@@ -97,7 +128,6 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
           add(&sum, part, &state, &p, &relative, hc_keep_groups(volume, row.entries - at), inverse);
         }
       }
-      const struct row walls = row_of(sweep->walls, first + k);
       for (int32_t pass = 0; walls_take_part && pass < walls.entries; pass += 2 * HC_GROUP) {
         for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < walls.entries; part++) {
           const int32_t at = pass + part * HC_GROUP;
@@ -108,7 +138,13 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
             const vector other = load_velocity(sweep->boundary->motion, walls.offset + at, &unused);
             relative = relative_velocity(&state.velocity, &other);
           }
-          if (walls_are == NO_SLIP && !frozen) relative = relative_to_surface(sweep, &state, &p, &relative);
+          if (frozen) {
+            hc_float unused;
+            const vector facing = load_velocity(sweep->boundary->facing, walls.offset + at, &unused);
+            relative = relative_to_layer(sweep, &state, &p, &facing, &relative);
+          } else if (walls_are == NO_SLIP) {
+            relative = relative_to_surface(sweep, &state, &p, &relative);
+          }
           add(&sum, part, &state, &p, &relative, hc_keep(frozen ? volume : p.scalar, walls.count - at),
               hc_set(1.0f));
         }

@@ -143,6 +143,25 @@ def taylor_green(case, _steps):
     return f"energy decays at {rate:.4f} of the exact rate, to {energy[-1] / energy[0]:.3f}"
 
 
+def channel(case, _steps):
+    """The start of a flow between two walls, 20 spacings apart, with the walls of both solvers."""
+    viscosity, width, force, time, said = 1e-6, 1e-3, 1e-4, 0.225, []
+    for method, walls in (("dfsph", "akinci2012"), ("pcisph", "ihmsen2010")):
+        output = case.run("scenes/poiseuille.yaml", f"channel_{method}", 2, (
+            "particle_spacing=5e-5", f"end_time={time}", f"output.snapshots.every={time}", f"boundary.method={walls}",
+            f"solver={{method: {method}}}"))
+        last = read(c.snapshots(output)[-1])
+        y = last["points"][:, 2]
+        exact = force / (2 * viscosity) * y * (width - y)
+        for n in range(1, 100, 2):
+            exact -= (4 * force * width**2 / (viscosity * (np.pi * n)**3) * np.sin(n * np.pi * y / width)
+                      * np.exp(-(n * np.pi / width)**2 * viscosity * time))
+        worst = np.abs(last["velocity"][:, 0] - exact).max() / 1.25e-5
+        c.expect(worst <= 0.01, f"{method}: velocities are {100 * worst:.2f} % of the largest off")
+        said.append(f"{method} {100 * worst:.2f} %")
+    return f"velocities off by {', '.join(said)} of the largest"
+
+
 def drops(case, _steps):
     """Free drops: the semi-axes of one that is stretched, by its second moments; the angular momentum of one that turns."""
     output = case.run("scenes/elliptical_drop.yaml", "ellipse", 2)
@@ -258,6 +277,6 @@ def dam_break(case, steps):
 if __name__ == "__main__":
     c.main(__doc__, {"free_fall": free_fall, "hydrostatic": hydrostatic,
                      "hydrostatic_walled": hydrostatic_walled,
-                     "hydrostatic_pcisph": hydrostatic_pcisph, "corner_pcisph": corner_pcisph, "taylor_green": taylor_green, "drops": drops, "gauges": gauges,
+                     "hydrostatic_pcisph": hydrostatic_pcisph, "corner_pcisph": corner_pcisph, "taylor_green": taylor_green, "drops": drops, "channel": channel, "gauges": gauges,
                      "round_tank": round_tank,
                      "dam_break": dam_break})
