@@ -49,27 +49,38 @@ static double by_depth(const hc_scene *scene, double spacings, double depth) {
   return speed > 0.0 ? spacings * scene->particle_spacing / speed : INFINITY;
 }
 
-/* A share of the time of a fall over a support radius. Without gravity a speed decides, and without a speed
- * too there is but the end of the run to go by. */
+/* A share of the time of a fall over a support radius; INFINITY without gravity. */
 static double by_gravity(const hc_scene *scene, double share) {
-  static const double SPACINGS = 0.4, PARTS = 100.0;
-  const double gravity = hc_setup_pull(scene), speed = start_speed(scene);
-  if (gravity > 0.0) return share * sqrt(scene->support_radius / gravity);
-  return speed > 0.0 ? SPACINGS * scene->particle_spacing / speed : scene->end_time / PARTS;
+  const double gravity = hc_setup_pull(scene);
+  return gravity > 0.0 ? share * sqrt(scene->support_radius / gravity) : INFINITY;
+}
+
+/* Where neither the scene nor gravity says how long a step is at most: a spacing at the speed of the start;
+ * without a speed too there is but the end of the run to go by. */
+static double by_speed(const hc_scene *scene) {
+  static const double PARTS = 100.0;
+  const double speed = start_speed(scene);
+  return speed > 0.0 ? scene->particle_spacing / speed : scene->end_time / PARTS;
+}
+
+static double longest_of(const hc_scene *scene, double bound) {
+  if (scene->time_step.max > 0.0) return fmin(scene->time_step.max, bound);
+  return isfinite(bound) ? bound : by_speed(scene);
 }
 
 /* Longer steps need as many iterations more as they save, and fluid at rest does not stay at rest: at 20
  * layers of depth it boils from 0.15 sqrt(h/g) on. */
 static double cfl_longest(const hc_scene *scene) {
   static const double SHARE = 0.05, SPACINGS = 0.3;
-  const double bound =
-      fmin(by_gravity(scene, SHARE), by_depth(scene, SPACINGS, hc_setup_block_height(scene)));
-  return scene->time_step.max > 0.0 ? fmin(scene->time_step.max, bound) : bound;
+  return longest_of(scene,
+                    fmin(by_gravity(scene, SHARE), by_depth(scene, SPACINGS, hc_setup_block_height(scene))));
 }
 
+/* The control has a bound by forces of its own, which a scene may widen. */
 static double adaptive_longest(const hc_scene *scene) {
-  return scene->time_step.max > 0.0 ? scene->time_step.max
-                                    : by_gravity(scene, scene->time_step.adaptive.shrink.force);
+  return scene->time_step.max > 0.0
+             ? scene->time_step.max
+             : longest_of(scene, by_gravity(scene, scene->time_step.adaptive.shrink.force));
 }
 
 static hc_step_settings common_settings(const hc_scene *scene, double longest) {
