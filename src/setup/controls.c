@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "setup/fluid.h"
+#include "setup/solvers.h"
 #include "setup/source.h"
 #include "stepping/adaptive.h"
 #include "stepping/cfl.h"
@@ -230,9 +231,15 @@ double hc_setup_control_longest(const hc_scene *scene) {
   return controls[scene->time_step.control].longest(scene);
 }
 
+int hc_setup_goes_back(const hc_scene *scene) {
+  const int control = hc_setup_control_ops(scene)->goes_back, solver = hc_setup_solver_ops(scene)->goes_back;
+  return control > 0 && solver > control ? solver : control;
+}
+
 hc_control hc_setup_control(const hc_scene *scene) {
   hc_control control;
   hc_control_init(&control, hc_setup_control_ops(scene), controls[scene->time_step.control].settings(scene));
+  control.goes_back = hc_setup_goes_back(scene);
   return control;
 }
 

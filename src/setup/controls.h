@@ -17,6 +17,9 @@ void hc_setup_control_review(const hc_scene *scene, hc_findings *findings);
 /* The scene's word for the control of that name; false if there is none. */
 bool hc_setup_control_named(const char *name, hc_time_control *control);
 
+/* How many steps its run takes back at once: as its control does, or more where its solver needs it. */
+int hc_setup_goes_back(const hc_scene *scene);
+
 /* The control of a scene's run; freed with hc_control_free. */
 hc_control hc_setup_control(const hc_scene *scene);
 

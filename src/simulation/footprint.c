@@ -34,8 +34,7 @@ static unsigned wall_kind(const hc_scene *scene) {
 
 double hc_footprint_fluid(const hc_scene *scene) {
   /* to go back to, and one more while a checkpoint is written */
-  const int back = hc_setup_control_ops(scene)->goes_back,
-            copies = back + (back > 1); /* and the state of now */
+  const int back = hc_setup_goes_back(scene), copies = back + (back > 1); /* and the state of now */
   const bool rigid = hc_settings_boundary(scene)->collide != NULL;
   return SLACK * ((double)hc_particles_bytes(HC_FLUID, hc_settings_features(scene)) + SORT + CELLS + 2 * ROW +
                   entries(scene) + (rigid ? 2 * sizeof(hc_record) : 0)) +

@@ -174,7 +174,7 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
   hc_frame frame;
   if (hc_setup_frame(scene, &frame, error) != HC_OK) return error->status;
   simulation->control = hc_setup_control(scene);
-  simulation->rollback.most = simulation->control.ops->goes_back;
+  simulation->rollback.most = simulation->control.goes_back;
   simulation->solver_settings = hc_setup_solver_settings(scene);
   const double ratio = scene->particle_spacing / scene->support_radius, h = frame.support_radius;
   const double volume_factor = hc_settings_wall_factor(scene);

@@ -6,6 +6,7 @@
  *              walls_why   with walls that leave out any
  *              controls    default: any step control, and the scene's default one
  *              steadier    default: none
+ *              goes_back   default: as many as the step control does
  *              check_start default: any start will do
  *              summary     default: nothing to say
  * Its settings begin with the common ones. */
@@ -67,6 +68,8 @@ typedef struct hc_solver_ops {
   const char *const
       *controls;        /* names of the step controls it works with, null-ended; the first by default */
   const char *steadier; /* the one to advise where the pressure does not converge */
+  int goes_back; /* steps taken back at once, at least, where the control takes back any: 2 where the step
+                    before the one that diverges may have spoilt the state */
 
   /* Advances own particles by dt; dt_before is the last step's, 0 at the first. Collective.
    * Before: hc_world_update. After: positions, velocities, pressures new; cells and lists stale; speeds,

@@ -14,6 +14,7 @@ void hc_control_init(hc_control *control, const hc_control_ops *ops, hc_step_set
            "%s must judge, go back, restart and give up, or do nothing of it", ops->name);
   memset(control, 0, sizeof *control);
   control->ops = ops;
+  control->goes_back = ops->goes_back;
   control->settings = settings;
 }
 
@@ -66,7 +67,7 @@ hc_verdict hc_control_permit(const hc_control *control, double time, double dt) 
 /* May a shorter step do better? Where the step begins with such a speed, only one before it. */
 static bool may_be_shock(const hc_control *control, hc_fault_kind kind) {
   return kind == HC_FAULT_VALUE || kind == HC_FAULT_SPEED || kind == HC_FAULT_ERROR ||
-         (kind == HC_FAULT_START_SPEED && control->ops->goes_back > 1);
+         (kind == HC_FAULT_START_SPEED && control->goes_back > 1);
 }
 
 static bool may_take_back(const hc_control *control) {

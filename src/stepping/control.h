@@ -49,7 +49,7 @@ typedef struct hc_control_ops {
   const char *speed_key, *longest_key; /* what a user lowers in time_step, for high speeds and in general */
   bool foreseen;                       /* the number of steps is known beforehand */
   bool by_errors; /* steps follow the density errors: a solver need not iterate until they are small */
-  int goes_back;  /* how many steps are taken back at once: 1 or 2; 0: none ever */
+  int goes_back;  /* how many steps are taken back at once, at least: 1 or 2; 0: none ever */
   bool goes_on;   /* once the replays allowed are used up: steps count, and one that fails is the run's end as
                      it is; else it has given up */
 
@@ -77,6 +77,7 @@ typedef struct hc_step_count {
 struct hc_control {
   const hc_control_ops *ops;
   hc_step_settings *settings; /* the control's own, the common ones first; owned */
+  int goes_back;              /* as in the table, or more where the solver needs it */
   hc_step_bound bound;        /* of the last step chosen */
   double end;                 /* s: when that ends */
   hc_shock_guard guard;
