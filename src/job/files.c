@@ -147,14 +147,17 @@ hc_status hc_job_take_back(hc_job *job, hc_error *error) {
   const hc_control *control = &simulation->control;
   const hc_shock_guard *guard = &control->guard;
   const int back = simulation->rollback.back;
-  char what[HC_SHOCK_TEXT];
+  char what[HC_SHOCK_TEXT], measured[64] = "";
   hc_shock_text(&guard->shock, what);
+  if (guard->shock.kind != HC_SHOCK_FAULT)
+    snprintf(measured, sizeof measured, " v_max %.4g m/s, force_max %.4g m/s2;", control->v_max,
+             control->force_max);
   hc_log_info(&job->log,
-              "step %lld, t = %g s: shock: %s; v_max %.4g m/s, force_max %.4g m/s2; back %d step%s to step "
+              "step %lld, t = %g s: shock: %s;%s back %d step%s to step "
               "%lld, t = %g s, restart %lld: time step %.4g s -> %.4g s",
-              (long long)simulation->step + back, guard->shock.time, what, control->v_max, control->force_max,
-              back, back == 1 ? "" : "s", (long long)simulation->step, simulation->time,
-              (long long)guard->restarts, guard->shock.dt, guard->next);
+              (long long)simulation->step + back, guard->shock.time, what, measured, back,
+              back == 1 ? "" : "s", (long long)simulation->step, simulation->time, (long long)guard->restarts,
+              guard->shock.dt, guard->next);
   *error = job->problem;
   if (job->comm->rank == 0 && error->status == HC_OK &&
       hc_run_dir_cut(job->directory, simulation->step, job->counts.snapshots, error) == HC_OK)
