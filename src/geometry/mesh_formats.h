@@ -6,6 +6,7 @@
 #ifndef HC_MESH_FORMATS_H
 #define HC_MESH_FORMATS_H
 
+#include "base/text_file.h"
 #include "mesh_soup.h"
 
 /* Wavefront OBJ: v and f, with indices from 1 or counted back from the last; all else is passed over. */
@@ -19,6 +20,10 @@ hc_status hc_mesh_read_stl(const char *path, const char *bytes, size_t length, h
 /* PLY, text or binary of either byte order: x, y, z of `vertex` and the list of `face`. */
 hc_status hc_mesh_read_ply(const char *path, const char *bytes, size_t length, hc_mesh_soup *soup,
                            hc_error *error);
+
+/* The three numbers of a vertex from *at on, which moves behind them; what the kinds of text share. */
+hc_status hc_mesh_read_point(const char *path, const hc_lines *lines, char **at, double x[3],
+                             hc_error *error);
 
 /* The decimal number of the fewest digits that is nearest to this single one. */
 double hc_mesh_decimal(float value);

@@ -32,12 +32,7 @@ static char *join(reading *r, char *line) {
 
 static hc_status take_vertex(reading *r, char *at, hc_error *error) {
   double x[3];
-  for (int a = 0; a < 3; a++) {
-    const char *const word = hc_lines_word(&at);
-    if (!word || !hc_lines_number(&r->lines, word, &x[a]))
-      return hc_error_set(error, HC_BAD_INPUT, "%s:%d: a vertex must have three numbers, not '%.80s'",
-                          r->path, r->lines.number, word ? word : "");
-  }
+  if (hc_mesh_read_point(r->path, &r->lines, &at, x, error) != HC_OK) return error->status;
   return hc_mesh_soup_add_vertex(r->soup, x, error);
 }
 

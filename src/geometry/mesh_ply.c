@@ -149,42 +149,31 @@ static hc_status next_word(reading *r, double *number, hc_error *error) {
   return HC_OK;
 }
 
-static double value_of(const unsigned char bytes[8], type type) {
-  int8_t i8;
-  int16_t i16;
-  int32_t i32;
-  uint16_t u16;
-  uint32_t u32;
-  float f32;
-  double f64;
+/* Of a number's bits, the lowest first. */
+static double value_of(uint64_t bits, type type) {
+  const uint32_t half = (uint32_t)bits;
+  float single;
+  double full;
   switch (type) {
   case I8:
-    memcpy(&i8, bytes, sizeof i8);
-    return i8;
-  case U8:
-    return bytes[0];
+    return (int8_t)bits;
   case I16:
-    memcpy(&i16, bytes, sizeof i16);
-    return i16;
-  case U16:
-    memcpy(&u16, bytes, sizeof u16);
-    return u16;
+    return (int16_t)bits;
   case I32:
-    memcpy(&i32, bytes, sizeof i32);
-    return i32;
-  case U32:
-    memcpy(&u32, bytes, sizeof u32);
-    return u32;
+    return (int32_t)bits;
   case F32:
-    memcpy(&f32, bytes, sizeof f32);
-    return hc_mesh_decimal(f32);
+    memcpy(&single, &half, sizeof single);
+    return hc_mesh_decimal(single);
   case F64:
-    memcpy(&f64, bytes, sizeof f64);
-    return f64;
+    memcpy(&full, &bits, sizeof full);
+    return full;
+  case U8:
+  case U16:
+  case U32:
   case NO_TYPE:
     break;
   }
-  return NAN;
+  return (double)bits;
 }
 
 static hc_status next_number(reading *r, type type, double *number, hc_error *error) {
@@ -192,12 +181,21 @@ static hc_status next_number(reading *r, type type, double *number, hc_error *er
   const int size = sizes[type];
   if (r->end - r->at < size)
     return hc_error_set(error, HC_BAD_INPUT, "%s: is cut short: numbers are missing", r->path);
-  unsigned char bytes[8] = {0};
-  const bool turned = (r->form == BIG) == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
-  for (int k = 0; k < size; k++) bytes[k] = r->at[turned ? size - 1 - k : k];
+  uint64_t bits = 0;
+  for (int k = 0; k < size; k++) bits |= (uint64_t)r->at[r->form == BIG ? size - 1 - k : k] << 8 * k;
   r->at += size;
-  *number = value_of(bytes, type);
+  *number = value_of(bits, type);
   return HC_OK;
+}
+
+/* How many numbers a property has: 1, or a list's count. */
+static hc_status next_count(reading *r, const property *p, double *count, hc_error *error) {
+  *count = 1;
+  if (p->count == NO_TYPE) return HC_OK;
+  if (next_number(r, p->count, count, error) != HC_OK) return error->status;
+  if (*count >= 0 && *count == floor(*count)) return HC_OK;
+  return hc_error_set(error, HC_BAD_INPUT, "%s: a list must have a whole number of items, not %.9g", r->path,
+                      *count);
 }
 
 /* ---- the elements ---- */
@@ -206,8 +204,8 @@ static hc_status read_vertex(reading *r, const element *e, hc_error *error) {
   double x[3] = {NAN, NAN, NAN}, number;
   for (int k = 0; k < e->property_count; k++) {
     const property *const p = &e->properties[k];
-    double count = 1;
-    if (p->count != NO_TYPE && next_number(r, p->count, &count, error) != HC_OK) return error->status;
+    double count;
+    if (next_count(r, p, &count, error) != HC_OK) return error->status;
     for (double item = 0; item < count; item++)
       if (next_number(r, p->type, &number, error) != HC_OK) return error->status;
     if (p->count == NO_TYPE && p->name[0] >= 'x' && p->name[0] <= 'z' && !p->name[1])
@@ -222,8 +220,8 @@ static bool has_corners(const property *p) {
 }
 
 static hc_status read_list(reading *r, const property *p, bool wanted, hc_error *error) {
-  double number, count = 1;
-  if (p->count != NO_TYPE && next_number(r, p->count, &count, error) != HC_OK) return error->status;
+  double number, count;
+  if (next_count(r, p, &count, error) != HC_OK) return error->status;
   for (double k = 0; k < count; k++) {
     if (next_number(r, p->type, &number, error) != HC_OK) return error->status;
     if (!wanted) continue;

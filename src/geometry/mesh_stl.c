@@ -3,28 +3,10 @@
 #include "base/text_file.h"
 
 #include <ctype.h>
-#include <math.h>
 #include <string.h>
 #include <strings.h>
 
 enum { HEAD = 80, FACET = 50, LOOKED_AT = 1024 };
-
-double hc_mesh_decimal(float value) {
-  static const double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10,
-                                  1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21};
-  const double size = fabs((double)value);
-  if (!(size >= 1e-12 && size < 1e9)) return value;
-  int whole = 0; /* digits before the point; below 0: zeros behind it */
-  while (whole < 10 && size >= powers[whole]) whole++;
-  while (whole > -12 && whole <= 0 && size < 1 / powers[1 - whole]) whole--;
-  for (int digits = 6; digits <= 9; digits++) {
-    const int places = digits - whole;
-    if (places < 0 || places > 21) continue;
-    const double rounded = rint(value * powers[places]) / powers[places];
-    if ((float)rounded == value) return rounded;
-  }
-  return value;
-}
 
 static hc_status add_facet(hc_mesh_soup *soup, const double (*x)[3], hc_error *error) {
   int32_t corners[3];
@@ -66,7 +48,7 @@ static hc_status read_binary(const char *path, const unsigned char *bytes, size_
 
 /* ---- text ---- */
 
-/* "facet" comes soon, and no zero does: binary files may begin with "solid" too. */
+/* Binary files may begin with "solid" too, but have a zero in the count of their triangles at least. */
 static bool is_text(const char *bytes, size_t length) {
   hc_text_skip_mark(&bytes, &length);
   while (length > 0 && isspace((unsigned char)*bytes)) {
@@ -88,12 +70,7 @@ static hc_status take_vertex(const char *path, const hc_lines *lines, char **at,
   if (!f->open || f->corners == 3)
     return hc_error_set(error, HC_BAD_INPUT, "%s:%d: a facet must have one loop of three vertices", path,
                         lines->number);
-  for (int a = 0; a < 3; a++) {
-    const char *const word = hc_lines_word(at);
-    if (!word || !hc_lines_number(lines, word, &f->x[f->corners][a]))
-      return hc_error_set(error, HC_BAD_INPUT, "%s:%d: a vertex must have three numbers, not '%.80s'", path,
-                          lines->number, word ? word : "");
-  }
+  if (hc_mesh_read_point(path, lines, at, f->x[f->corners], error) != HC_OK) return error->status;
   f->corners++;
   return HC_OK;
 }
@@ -103,10 +80,8 @@ static hc_status close_loop(const char *path, const hc_lines *lines, facet *f, h
   if (f->corners != 3)
     return hc_error_set(error, HC_BAD_INPUT, "%s:%d: a facet must have three vertices, not %d", path,
                         lines->number, f->corners);
-  *f = (facet){.open = false,
-               .x = {{f->x[0][0], f->x[0][1], f->x[0][2]},
-                     {f->x[1][0], f->x[1][1], f->x[1][2]},
-                     {f->x[2][0], f->x[2][1], f->x[2][2]}}};
+  f->open = false;
+  f->corners = 0;
   return add_facet(soup, (const double(*)[3])f->x, error);
 }
 

@@ -55,6 +55,12 @@ static void check_cosine(const hc_wall_motion *motion, const hc_given *given, hc
   if (turns) check_turn(motion, given, complaints);
 }
 
+static bool table_turns(const hc_wall_motion *motion) {
+  for (int k = 0; k < motion->point_count; k++)
+    if (motion->points[k].angle != 0.0) return true;
+  return false;
+}
+
 static void check_table(const hc_wall_motion *motion, const hc_given *given, hc_complaints *complaints) {
   const hc_given_value *points = hc_given_value_of(given, "motion.points");
   if (hc_given_is_bad(given, "motion.file") || points->bad) return;
@@ -63,27 +69,22 @@ static void check_table(const hc_wall_motion *motion, const hc_given *given, hc_
              motion->file[0] ? "not be given beside motion.file" : "have a row, or motion.file name a table");
     return;
   }
-  bool turns = false;
   for (int k = 0; k < points->item_count; k++) {
     const hc_given *item = &points->items[k];
     if (item->bad || hc_given_is_bad(item, "time")) return;
-    turns |= motion->points[k].angle != 0.0;
     if (k == 0 || motion->points[k].time > motion->points[k - 1].time) continue;
     char now[HC_PARAM_NUMBER_TEXT], before[HC_PARAM_NUMBER_TEXT];
     hc_params_number_text(motion->points[k].time, now);
     hc_params_number_text(motion->points[k - 1].time, before);
     hc_complaints_add(complaints, hc_given_place_of(item, "time"),
-                      "%stime must be > the row's before it, not "
-                      "%s <= %s",
-                      item->prefix, now, before);
+                      "%stime must be > the row's before it, not %s <= %s", item->prefix, now, before);
   }
-  if (turns) check_turn(motion, given, complaints);
+  if (table_turns(motion)) check_turn(motion, given, complaints);
 }
 
 void hc_source_rules_loaded(const hc_wall *wall, const hc_given *given, hc_complaints *complaints) {
-  bool turns = hc_given_has(given, "motion.axis");
-  for (int k = 0; k < wall->motion.point_count; k++) turns |= wall->motion.points[k].angle != 0.0;
-  if (turns) check_turn(&wall->motion, given, complaints);
+  if (hc_given_has(given, "motion.axis") || table_turns(&wall->motion))
+    check_turn(&wall->motion, given, complaints);
 }
 
 void hc_source_rules_motion(const hc_wall *wall, const hc_given *given, hc_complaints *complaints) {

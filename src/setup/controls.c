@@ -3,7 +3,6 @@
 #include "base/memory.h"
 #include "setup/fluid.h"
 #include "setup/solvers.h"
-#include "setup/source.h"
 #include "stepping/adaptive.h"
 #include "stepping/cfl.h"
 #include "stepping/constant.h"
@@ -16,32 +15,6 @@
 
 static double size_of(const hc_scene *scene) {
   return scene->time_step.size;
-}
-
-/* The largest speed of a block at the start, in one of the corners of the box around it. */
-static double block_speed(const hc_block *block) {
-  double gradient[3][3], largest = 0.0;
-  const hc_box box = hc_source_block_bounds(block);
-  hc_source_block_gradient(block, gradient);
-  for (int corner = 0; corner < 8; corner++) {
-    double square = 0.0;
-    for (int a = 0; a < 3; a++) {
-      double v = block->velocity[a];
-      for (int b = 0; b < 3; b++)
-        v += gradient[a][b] * ((corner >> b & 1 ? box.max[b] : box.min[b]) - block->velocity_center[b]);
-      square += v * v;
-    }
-    largest = fmax(largest, sqrt(square));
-  }
-  return largest + (block->flow.type == HC_FLOW_NONE ? 0.0 : block->flow.speed);
-}
-
-/* The largest speed of fluid at the start and of what comes in. */
-static double start_speed(const hc_scene *scene) {
-  double largest = 0.0;
-  for (int k = 0; k < scene->fluid.block_count; k++)
-    largest = fmax(largest, block_speed(&scene->fluid.blocks[k]));
-  return fmax(largest, hc_setup_emitted_speed(scene));
 }
 
 /* That many spacings at the speed of a shallow wave of such depth; INFINITY without. */
@@ -60,7 +33,7 @@ static double by_gravity(const hc_scene *scene, double share) {
  * without a speed too there is but the end of the run to go by. */
 static double by_speed(const hc_scene *scene) {
   static const double PARTS = 100.0;
-  const double speed = start_speed(scene);
+  const double speed = hc_setup_start_speed(scene);
   return speed > 0.0 ? scene->particle_spacing / speed : scene->end_time / PARTS;
 }
 

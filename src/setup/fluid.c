@@ -64,7 +64,8 @@ static double default_sound_speed(const hc_scene *scene) {
   return 10.0 * sqrt(2.0 * (gravity > 0.0 ? gravity : 1.0) * hc_setup_block_height(scene));
 }
 
-double hc_setup_emitted_speed(const hc_scene *scene) {
+/* The largest speed at which emitters let fluid in. */
+static double emitted_speed(const hc_scene *scene) {
   double speed = 0.0;
   for (int k = 0; k < scene->fluid.emitter_count; k++) {
     const hc_scene_emitter *emitter = &scene->fluid.emitters[k];
@@ -76,11 +77,36 @@ double hc_setup_emitted_speed(const hc_scene *scene) {
   return speed;
 }
 
+/* The largest speed of a block at the start, in one of the corners of the box around it. */
+static double block_speed(const hc_block *block) {
+  double gradient[3][3], largest = 0.0;
+  const hc_box box = hc_source_block_bounds(block);
+  hc_source_block_gradient(block, gradient);
+  for (int corner = 0; corner < 8; corner++) {
+    double square = 0.0;
+    for (int a = 0; a < 3; a++) {
+      double v = block->velocity[a];
+      for (int b = 0; b < 3; b++)
+        v += gradient[a][b] * ((corner >> b & 1 ? box.max[b] : box.min[b]) - block->velocity_center[b]);
+      square += v * v;
+    }
+    largest = fmax(largest, sqrt(square));
+  }
+  return largest + (block->flow.type == HC_FLOW_NONE ? 0.0 : block->flow.speed);
+}
+
+double hc_setup_start_speed(const hc_scene *scene) {
+  double largest = 0.0;
+  for (int k = 0; k < scene->fluid.block_count; k++)
+    largest = fmax(largest, block_speed(&scene->fluid.blocks[k]));
+  return fmax(largest, emitted_speed(scene));
+}
+
 double hc_setup_sound_speed(const hc_scene *scene) {
   if (scene->fluid.viscosity.model != HC_VISCOSITY_ARTIFICIAL) return 0.0;
   return scene->fluid.viscosity.sound_speed > 0.0
              ? scene->fluid.viscosity.sound_speed
-             : fmax(default_sound_speed(scene), 10.0 * hc_setup_emitted_speed(scene));
+             : fmax(default_sound_speed(scene), 10.0 * emitted_speed(scene));
 }
 
 double hc_setup_kinematic_viscosity(const hc_scene *scene) {

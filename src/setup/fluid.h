@@ -16,8 +16,8 @@ double hc_setup_fluid_height(const hc_scene *scene);
 /* Of the tallest block, along gravity, m; without gravity the sum of its edges. */
 double hc_setup_block_height(const hc_scene *scene);
 
-/* The largest speed at which emitters let fluid in, m/s. */
-double hc_setup_emitted_speed(const hc_scene *scene);
+/* The largest speed of fluid at the start and of what emitters let in, m/s. */
+double hc_setup_start_speed(const hc_scene *scene);
 
 /* Sound speed of the artificial viscosity, m/s; 0 for other viscosities. */
 double hc_setup_sound_speed(const hc_scene *scene);

@@ -4,8 +4,6 @@
 
 #include <math.h>
 
-static const double UPWARDS = 4.0; /* longest edges of room for splashes */
-
 /* Units from the scene's origin; what is too far for a position is no limit. */
 static int64_t units_of(const hc_frame *frame, int axis, double metres) {
   const double units = metres / frame->unit[axis];
@@ -79,8 +77,8 @@ static extent compute(const hc_scene *scene, const hc_setup_plan *plan, const hc
   double edge = 0.0;
   for (int a = 0; a < 3; a++) edge = fmax(edge, all.high[a] - all.low[a]);
   for (int a = 0; a < 3; a++) {
-    all.low[a] -= (scene->gravity[a] > 0.0 ? UPWARDS : 1.0) * edge;
-    all.high[a] += (scene->gravity[a] < 0.0 ? UPWARDS : 1.0) * edge;
+    all.low[a] -= (scene->gravity[a] > 0.0 ? HC_LIMITS_ROOM : 1.0) * edge;
+    all.high[a] += (scene->gravity[a] < 0.0 ? HC_LIMITS_ROOM : 1.0) * edge;
   }
   return all;
 }

@@ -30,8 +30,7 @@ static void check_walls(const hc_scene *scene, hc_findings *findings) {
       is_good(findings, "fluid.viscosity.model") && scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR)
     hc_findings_error(findings, "fluid.viscosity.model",
                       "fluid.viscosity.model must not be laminar unless boundary.method is akinci2012 or "
-                      "ihmsen2010: walls of "
-                      "the others do not hold the fluid");
+                      "ihmsen2010: walls of the others do not hold the fluid");
   const hc_solver_ops *solver = hc_setup_solver_ops(scene);
   if (solver->walls >> walls->walls & 1) return;
   char names[128];

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "geometry/surface.h"
 #include "setup/controls.h"
+#include "setup/limits.h"
 #include "setup/prescribed.h"
 #include "setup/source.h"
 #include "setup/trace.h"
@@ -340,10 +341,9 @@ static void review_gauge(const review *r, int index, const extent *all) {
   }
 }
 
-/* Wherever fluid can come: within domain.limits; where the scene gives none, about as far from all that there
- * is as they are by default, and anywhere without walls, with emitters, or where walls move. */
+/* Wherever fluid can come: within domain.limits; where the scene gives none, at most HC_LIMITS_ROOM longest
+ * edges from all that there is, and anywhere without walls, with emitters, or where walls move. */
 static extent find_world(const review *r) {
-  static const double around = 4; /* longest edges: setup/limits.c has no more on any side */
   extent all = nothing;
   bool bounded = r->wall_count > 0 && r->scene->fluid.emitter_count == 0;
   for (int b = 0; b < r->block_count; b++) widen(r, &r->blocks[b], &all);
@@ -356,8 +356,8 @@ static extent find_world(const review *r) {
   for (int a = 0; a < 3; a++) {
     const double low = r->scene->domain.limits_min[a], high = r->scene->domain.limits_max[a];
     const bool given = high > low, open = !(bounded || given);
-    all.low[a] = open ? -INFINITY : given ? low : all.low[a] - around * edge;
-    all.high[a] = open ? INFINITY : given ? high : all.high[a] + around * edge;
+    all.low[a] = open ? -INFINITY : given ? low : all.low[a] - HC_LIMITS_ROOM * edge;
+    all.high[a] = open ? INFINITY : given ? high : all.high[a] + HC_LIMITS_ROOM * edge;
   }
   return all;
 }

@@ -45,8 +45,7 @@ hc_status hc_solver_check_density(const hc_world *world, const hc_solver_setting
   char text[256];
   snprintf(text, sizeof text,
            "is more than %.3g %%%s too dense at the start: fluid lattices must not overlap, be settled if "
-           "they are "
-           "disordered, and keep half a spacing from walls, which must be a spacing thick",
+           "they are disordered, and keep half a spacing from walls, which must be a spacing thick",
            100.0 * most, key);
   if (refuse_largest(world, world->fluid->density, 1.0, settings->rest_density * (1.0 + most), text, error) !=
       HC_OK)

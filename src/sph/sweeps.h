@@ -124,8 +124,8 @@ typedef struct hc_sweeps {
   /* change_i = weight sum V 2 (v_i - v_j) (x_ij . grad W)/(r^2 + 0.01 (h/2)^2), boundary neighbours with V_b
    * included: laminar viscosity (Morris et al. 1997) at rest density; weight = nu dt. Behind the wetted
    * surface the velocity goes on as it comes to the wall's there: v_i - v_b = (v_i - v_wall) (1 + d_b/d_i)
-   * with the distances from the surface along B, at most twice. Walls of PRESSURE take part
-   * with V, and the velocity goes on as far behind the surface as the layer of the sample is. */
+   * with the distances from the surface along B, at most twice. Walls of PRESSURE take part with V,
+   * and the velocity goes on as far behind the surface as the layer of the sample is. */
   void (*laminar)(const hc_sweep *sweep, float weight, float *change, hc_selection selection);
 
   /* change_i = weight sum V min(0, v_ij . x_ij)/(r^2 + 0.01 (h/2)^2) grad W, boundary likewise: artificial

@@ -13,9 +13,8 @@
 
 typedef struct hc_cfl_settings {
   hc_step_settings common;
-  double factor; /* of spacing / v_max */
-  double
-      error_avg; /* where the density solve stops if it is not at its cap, a fraction of the rest density */
+  double factor;    /* of spacing / v_max */
+  double error_avg; /* where the density solve stops before its cap, a fraction of the rest density */
 } hc_cfl_settings;
 
 extern const hc_control_ops hc_control_cfl;

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Gauges where the world is not a box with z upward: periodic seams, other directions of gravity, moving walls, places
 that water comes to later; and the times of rows and snapshots."""
 

@@ -302,7 +302,14 @@ START_TEST(mistakes_are_told_with_their_line) {
        ":3: an element must have a name and a count"},
       {"m.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty list float int vertex_indices\nend_header\n",
        ":4: a list must have a whole"},
-      {"n.ply", "PLY\nend_header\n", ":1: must begin with ply"}};
+      {"n.ply", "PLY\nend_header\n", ":1: must begin with ply"},
+      {"o.ply",
+       "ply\nformat ascii 1.0\nelement face 1\nproperty list char int vertex_indices\nend_header\n-3 0 1 2\n",
+       "a list must have a whole number of items, not -3"},
+      {"p.ply",
+       "ply\nformat ascii 1.0\nelement face 1\nproperty list char int vertex_indices\nend_header\n2.5 0 1 "
+       "2\n",
+       "a list must have a whole number of items, not 2.5"}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
     assert_unreadable(write_file(cases[k][0], cases[k][1], strlen(cases[k][1])), cases[k][2]);
   assert_unreadable(write_file("utf16.obj", "\xff\xfev\0 \0", 6), "is it UTF-16?");
