@@ -10,8 +10,15 @@ void hc_state_copy_free(hc_state_copy *copy) {
   memset(copy, 0, sizeof *copy);
 }
 
+static void count_item(void *bytes, const hc_state_item *item) {
+  *(size_t *)bytes += 8 * (size_t)item->count;
+}
+
+static void count_field(void *bytes, hc_particles *particles, hc_field_id field) {
+  *(size_t *)bytes += (size_t)particles->own * hc_fields[field].bytes;
+}
+
 static void remember(hc_state_copy *copy, const void *data, size_t bytes) {
-  hc_reserve((void **)&copy->bytes, &copy->capacity, copy->used + bytes, copy->used, 1);
   memcpy(copy->bytes + copy->used, data, bytes);
   copy->used += bytes;
 }
@@ -29,6 +36,9 @@ void hc_state_remember(hc_state_copy *copy, const hc_state *state, unsigned kind
   copy->kinds = kinds;
   for (int k = 0; k < state->store_count; k++) copy->own[k] = state->stores[k]->own;
   copy->used = 0;
+  size_t bytes = 0; /* room at once: a buffer that grows is there twice for a while */
+  hc_state_visit(state, kinds, &(hc_state_visitor){&bytes, count_item, count_field});
+  hc_reserve((void **)&copy->bytes, &copy->capacity, bytes, 0, 1);
   hc_state_visit(state, kinds, &(hc_state_visitor){copy, remember_item, remember_field});
 }
 
