@@ -302,6 +302,7 @@ typedef struct hc_scene {
     double density_error_avg; /* fraction of the rest density */
     double density_error_max; /* the same; 0 = 10 times density_error_avg */
     hc_density_correction density_correction;
+    int release_steps;
     double divergence_error; /* fraction of the rest density per step */
     hc_iterations density_iterations, divergence_iterations;
     double warm_start;            /* share of the last step's pressure taken over, 0 to 1 */

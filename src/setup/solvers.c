@@ -76,6 +76,7 @@ static hc_solver_settings *pcisph_settings(const hc_scene *scene) {
                                    .density_max = scene->solver.density_iterations.max,
                                    .gradient_square = hc_setup_rest_lattice_gradient(ratio) / (h4 * h4),
                                    .shepard = scene->solver.density_correction == HC_CORRECTION_SHEPARD,
+                                   .release_steps = scene->solver.release_steps,
                                    .friction = scene->boundary.friction,
                                    .elasticity = scene->boundary.elasticity};
   const double volume = scene->fluid.mass_factor / hc_setup_rest_lattice_sum(ratio); /* in h3 */

@@ -33,8 +33,8 @@ void hc_rollback_remember(hc_rollback *rollback, const hc_state *state);
 int hc_rollback_return(hc_rollback *rollback, hc_state *state);
 
 /* Around the writing of a checkpoint: puts the state there that it must hold, and the present one again,
- * which `now` keeps meanwhile (zeroed; freed by the second). Boundary particles are not touched. False if
- * there is nothing to do. Local. */
+ * which `now` keeps meanwhile (zeroed; freed by the second). Of boundary particles late_compression alone
+ * is touched. False if there is nothing to do. Local. */
 bool hc_rollback_show_resumable(hc_rollback *rollback, hc_state *state, hc_state_copy *now);
 bool hc_rollback_show_now(hc_state *state, hc_state_copy *now);
 

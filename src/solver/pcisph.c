@@ -109,6 +109,43 @@ static hc_error_total predict(pcisph *step, bool with_push) {
   return total;
 }
 
+/* ---- what a shorter step leaves for later ---- */
+
+/* In a steady state the iterations leave a compression e that holds the pressure, p = 3 stiffness e. A step
+ * that is shorter by s reads the same e as p/s^2, a pulse through the whole fluid. So it takes s^2 of the
+ * compression it finds for the pressure's and leaves the rest for later, when it is let go bit by bit. */
+static const double SHORTER = 0.99; /* than the last step: else nothing is left */
+static const float LEAST_LEFT = 1e-9f;
+
+static void release(const pcisph *step, hc_particles *particles) {
+  const float left = (float)(1.0 - 1.0 / step->settings->release_steps);
+  for (int32_t i = 0; i < particles->own; i++) {
+    float *const late = &particles->late_compression[i];
+    *late = *late > LEAST_LEFT ? left * *late : 0.0f;
+  }
+}
+
+/* Before the first prediction; places are those of the step's beginning. */
+static void leave_for_later(const pcisph *step, double dt_before) {
+  hc_world *world = step->world;
+  if (step->settings->release_steps == 0) return;
+  const bool walls_too = world->boundary_ops->walls == HC_WALLS_PRESSURE;
+  release(step, world->fluid);
+  for (int k = HC_STORE_BOUNDARY; k <= HC_STORE_MOVING && walls_too; k++)
+    release(step, &world->stores[k].particles);
+  if (!(step->dt < SHORTER * dt_before)) return;
+  pcisph leaving = *step;
+  hc_error_total unused;
+  memset(&unused, 0, sizeof unused);
+  leaving.prediction.stiffness = 0.0f;
+  leaving.prediction.leaves = (float)(1.0 - step->dt / dt_before * (step->dt / dt_before));
+  predict_densities(&leaving, world->listed, &unused);
+  if (step->prediction.shepard) correct_densities(&leaving, &unused);
+  for (int k = HC_STORE_BOUNDARY; k <= HC_STORE_MOVING && walls_too; k++)
+    world->sweeps->boundary_density(&world->sweep, &leaving.prediction, &world->stores[k].particles,
+                                    &world->stores[k].wetted, hc_select_all(&world->stores[k].particles));
+}
+
 /* ---- the step ---- */
 
 static void start(pcisph *step) {
@@ -192,7 +229,6 @@ static hc_move_to finish(pcisph *step) {
 /* Algorithms 1 and 2; the neighbourhoods are found by hc_world_update before. */
 static hc_status advance(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
                          hc_step_report *report, hc_error *error) {
-  (void)dt_before;
   const hc_pcisph_settings *own = (const hc_pcisph_settings *)settings;
   memset(report, 0, sizeof *report);
   hc_remember_velocities(world);
@@ -217,6 +253,7 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
   hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);
   find_densities(&step);
   start(&step);
+  leave_for_later(&step, dt_before);
   const float *change = hc_find_forces(world, settings, dt);
   predict_walls(&step, 1);
   for (int32_t i = 0; i < world->fluid->own; i++) {

@@ -10,6 +10,7 @@ typedef struct hc_pcisph_settings {
   int density_min, density_max;                /* iterations */
   double gradient_square;                      /* sum |grad W|^2 over the rest lattice, 1/m8 */
   bool shepard;                                /* correct densities at the surface */
+  int release_steps;                           /* that take the compression left by a longer one; 0: one */
   double friction, elasticity;                 /* of contacts with walls, see hc_collision */
   float wall_weights[HC_WALL_WEIGHTS + 1];     /* see hc_prediction */
 } hc_pcisph_settings;

@@ -167,7 +167,7 @@ void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_predicti
       const int32_t b = hc_selected(selection, first + k);
       if (hc_list_count(list, first + k) == 0) continue;
       const float relative = sweep->kernel * sweep->volume * kernels.total[k] + boundary->boundary_share[b];
-      boundary->pressure[b] = hc_next_pressure(sweep, prediction, boundary->pressure[b], relative);
+      hc_raise_pressure(sweep, prediction, boundary, b, relative);
       boundary->place[b].scalar = hc_pressure_scalar(sweep, boundary->pressure[b], relative);
     }
   }

@@ -4,10 +4,17 @@
 
 #include "error_rule.h"
 
-static inline float hc_next_pressure(const hc_sweep *sweep, const hc_prediction *prediction, float pressure,
-                                     float relative) {
-  const float next = pressure + sweep->rest_density * prediction->stiffness * (relative - 1.0f);
-  return next < 0.0f && !prediction->negative ? 0.0f : next;
+/* The pressure of a particle, raised by what it is too dense beyond what is left for later; no more is left
+ * than there is. Or a share of what it is too dense beyond that is left for later, too. */
+static inline void hc_raise_pressure(const hc_sweep *sweep, const hc_prediction *prediction,
+                                     hc_particles *particles, int32_t i, float relative) {
+  float *const late = &particles->late_compression[i];
+  const float excess = relative - 1.0f;
+  if (prediction->leaves > 0.0f && excess > *late) *late += prediction->leaves * (excess - *late);
+  if (prediction->stiffness == 0.0f) return;
+  if (*late > excess) *late = excess > 0.0f ? excess : 0.0f;
+  const float next = particles->pressure[i] + sweep->rest_density * prediction->stiffness * (excess - *late);
+  particles->pressure[i] = next < 0.0f && !prediction->negative ? 0.0f : next;
 }
 
 /* p/(rho0 D^2), what eq. 6 weighs the kernel's gradient with; where walls mirror it p/rho0, so that the push
@@ -21,7 +28,7 @@ static inline void hc_end_prediction(const hc_sweep *sweep, const hc_prediction 
                                      float relative, hc_error_total *total) {
   hc_particles *fluid = sweep->fluid;
   fluid->density[i] = sweep->rest_density * relative;
-  fluid->pressure[i] = hc_next_pressure(sweep, prediction, fluid->pressure[i], relative);
+  hc_raise_pressure(sweep, prediction, fluid, i, relative);
   fluid->place[i].scalar = hc_pressure_scalar(sweep, fluid->pressure[i], relative);
   hc_error_note(relative > 1.0f ? relative - 1.0f : relative != relative ? relative : 0.0f, total);
 }

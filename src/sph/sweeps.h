@@ -83,7 +83,9 @@ enum { HC_WALL_WEIGHTS = 64 }; /* steps of the table of weights */
 typedef struct hc_prediction {
   bool shepard;         /* densities are divided by sum V_j W; then predicted_density leaves the pressure */
   bool negative;        /* pressures may fall below 0 */
-  float stiffness;      /* of p/rho0 to the relative density error, m2/s2: 1/(2 V^2 dt^2 sum |grad W|^2) */
+  float stiffness;      /* of p/rho0 to the relative density error, m2/s2: 1/(2 V^2 dt^2 sum |grad W|^2);
+                           0: pressures stay */
+  float leaves;         /* share of the compression that becomes late_compression; in steps 0 */
   float dt;             /* s */
   const float *weights; /* DISTANCE: density at k/HC_WALL_WEIGHTS support radii from the samples, 0 to all */
 } hc_prediction;
@@ -143,9 +145,9 @@ typedef struct hc_sweeps {
 
   /* At the positions in place, D_i = V sum W + the walls' share; density = rho0 D_i; then, unless Shepard's
    * correction is still to come (motion.scalar = 1/D_i for it), the end of the prediction: the relative error
-   * D_i - 1 where positive is added to the total, pressure += rho0 stiffness (D_i - 1), clamped at 0 from
-   * below unless it may be negative, and place.scalar = pressure/(rho0 D_i^2), MIRRORED: pressure/rho0.
-   * Ihmsen et al. 2010, eq. 2, 3, 13. */
+   * D_i - 1 where positive is added to the total, pressure += rho0 stiffness (D_i - 1 - late_compression),
+   * clamped at 0 from below unless it may be negative, and place.scalar = pressure/(rho0 D_i^2), MIRRORED:
+   * pressure/rho0. Ihmsen et al. 2010, eq. 2, 3, 13; they leave nothing for later. */
   void (*predicted_density)(const hc_sweep *sweep, const hc_prediction *prediction, hc_selection selection,
                             hc_error_total *total);
 

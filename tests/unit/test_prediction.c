@@ -24,6 +24,11 @@ static float first_pressure_of(uint64_t id) {
   return (float)(2000.0 * fabs(random_number(23 * id)));
 }
 
+/* Compression left for later: none for some. */
+static float late_of(uint64_t id) {
+  return (float)fmax(0.0, 0.4 * random_number(29 * id));
+}
+
 static hc_prediction prediction_of(setting *s, hc_wall_rule walls, bool shepard) {
   s->sweep.walls_add = walls;
   s->sweep.reach = REACH;
@@ -39,11 +44,13 @@ static void make_setting(setting *s) {
 static void reset(setting *s, hc_wall_rule walls) {
   set_values(s);
   for (int32_t i = 0; i < FLUID; i++) s->fluid.pressure[i] = first_pressure_of(s->fluid.id[i]);
+  for (int32_t i = 0; i < FLUID; i++) s->fluid.late_compression[i] = late_of(s->fluid.id[i]);
   for (int32_t b = 0; b < WALL; b++) {
     const uint64_t id = s->boundary.id[b];
     for (int axis = 0; axis < 3; axis++) s->boundary.facing[b].v[axis] = (float)normal_of(id, axis);
     s->boundary.boundary_share[b] = share_of(id);
     s->boundary.pressure[b] = 0.0f;
+    s->boundary.late_compression[b] = late_of(id);
     if (walls == HC_WALLS_PRESSURE) s->boundary.place[b].scalar = 0.0f;
   }
 }
@@ -74,15 +81,23 @@ static double raw_density(const setting *s, int32_t i, hc_wall_rule walls) {
   return sum;
 }
 
-static double next_pressure(double pressure, double relative) {
-  return fmax(0, pressure + REST_DENSITY * STIFFNESS * (relative - 1));
+/* No more can be left than there is. */
+static double late_after(double late, double relative) {
+  return fmin(late, fmax(0, relative - 1));
+}
+
+static double next_pressure(double pressure, double relative, double late) {
+  return fmax(0, pressure + REST_DENSITY * STIFFNESS * (relative - 1 - late_after(late, relative)));
 }
 
 static void check_densities(const setting *s, const double *relative, const hc_error_total *total) {
   double sum = 0, most = 0;
   for (int32_t i = 0; i < FLUID; i++) {
     const double error = fmax(0, relative[i] - 1);
-    const double pressure = next_pressure(first_pressure_of(s->fluid.id[i]), relative[i]);
+    const double late = late_of(s->fluid.id[i]);
+    const double pressure = next_pressure(first_pressure_of(s->fluid.id[i]), relative[i], late);
+    ck_assert(fabs(s->fluid.late_compression[i] - late_after(late, relative[i])) <=
+              TOLERANCE * (1 + relative[i]));
     const double room = TOLERANCE * REST_DENSITY * STIFFNESS * (1 + relative[i]);
     sum += error;
     most = fmax(most, error);
@@ -140,7 +155,10 @@ START_TEST(densities_of_walls) {
         relative += VOLUME * kernel(norm(separation(&s, &s.boundary, b, &s.fluid, j)));
       const bool wet = hc_list_count(&s.wetted, b) > 0;
       relative += share_of(s.boundary.id[b]);
-      const double pressure = wet ? next_pressure(0, relative) : 0;
+      const double late = late_of(s.boundary.id[b]);
+      const double pressure = wet ? next_pressure(0, relative, late) : 0;
+      ck_assert(fabs(s.boundary.late_compression[b] - (wet ? late_after(late, relative) : late)) <=
+                TOLERANCE * (1 + relative));
       const double room = TOLERANCE * REST_DENSITY * STIFFNESS * (1 + relative);
       ck_assert(fabs(s.boundary.pressure[b] - pressure) <= room);
       ck_assert(fabs(s.boundary.place[b].scalar * REST_DENSITY * relative * relative - pressure) <= 4 * room);
@@ -148,6 +166,33 @@ START_TEST(densities_of_walls) {
     }
     ck_assert_int_gt(pushing, WALL / 20);
     ck_assert_int_lt(pushing, WALL);
+  }
+  setting_free(&s);
+}
+END_TEST
+
+/* A share of the compression beyond what is left already; pressures stay. */
+START_TEST(compression_left_for_later) {
+  setting s;
+  make_setting(&s);
+  const float share = 0.75f;
+  for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+    hc_prediction prediction = prediction_of(&s, HC_WALLS_PRESSURE, false);
+    prediction.stiffness = 0.0f;
+    prediction.leaves = share;
+    hc_error_total total = {0};
+    reset(&s, HC_WALLS_PRESSURE);
+    hc_sweeps_of((hc_isa)isa)->predicted_density(&s.sweep, &prediction, hc_select_range(0, FLUID), &total);
+    int more = 0;
+    for (int32_t i = 0; i < FLUID; i++) {
+      const double late = late_of(s.fluid.id[i]), relative = raw_density(&s, i, HC_WALLS_PRESSURE);
+      const double beyond = fmax(0, relative - 1 - late);
+      ck_assert(fabs(s.fluid.late_compression[i] - late - share * beyond) <= TOLERANCE * (1 + relative));
+      ck_assert(s.fluid.pressure[i] == first_pressure_of(s.fluid.id[i]));
+      more += beyond > 0;
+    }
+    ck_assert_int_gt(more, FLUID / 20);
+    ck_assert_int_lt(more, FLUID);
   }
   setting_free(&s);
 }
@@ -314,6 +359,7 @@ int main(void) {
   tcase_set_timeout(cases, 60);
   tcase_add_test(cases, densities_and_pressures);
   tcase_add_test(cases, densities_of_walls);
+  tcase_add_test(cases, compression_left_for_later);
   tcase_add_test(cases, pushes);
   tcase_add_test(cases, contacts);
   tcase_add_test(cases, velocities_of_walls);
