@@ -64,7 +64,7 @@ static void run_density(hc_world *world) {
 }
 
 static void run_error(hc_world *world) {
-  const hc_error_rule rule = {1.0f, 1e-3f, 0, false, 1.0f};
+  const hc_error_rule rule = {.of_density = 1.0f, .of_rate = 1e-3f, .relaxation = 1.0f};
   hc_error_total total;
   memset(&total, 0, sizeof total);
   world->sweeps->error(&world->sweep, &rule, hc_select_all(world->fluid), &total);

@@ -252,6 +252,16 @@ static void add_volume(const hc_gauges *gauges, int g, const hc_particles *fluid
                  gauges->mass / fmax((double)fluid->density[i], gauges->scene->fluid.rest_density));
 }
 
+static void add_density(const hc_gauges *gauges, int g, const hc_particles *fluid, readings *r) {
+  const hc_scene_gauge *const gauge = &gauges->scene->output.gauges[g];
+  double x[3];
+  for (int32_t i = 0; i < fluid->own; i++)
+    if (hc_measure_in_box(gauge, gauges->frame, &fluid->position[3 * (size_t)i], x)) {
+      hc_sum_add(&r->sums[g][0], (double)fluid->density[i]);
+      hc_sum_add(&r->sums[g][1], 1.0);
+    }
+}
+
 /* Everybody's marks, on every rank. */
 static void gather_marks(hc_comm *comm, readings *r) {
   void *all;
@@ -274,6 +284,7 @@ static void take_readings(const hc_gauges *gauges, const hc_particles *fluid, re
     if (gauge->type == HC_GAUGE_FRONT) r->fronts[g] = find_front(gauges, gauge, fluid);
     if (gauge->type == HC_GAUGE_ENERGY) add_energy(gauges, g, fluid, r);
     if (gauge->type == HC_GAUGE_VOLUME) add_volume(gauges, g, fluid, r);
+    if (gauge->type == HC_GAUGE_DENSITY) add_density(gauges, g, fluid, r);
   }
   hc_tally tally = {.count = 0};
   hc_tally_sum_exact(&tally, *r->sums, READING_SUMS * count);
@@ -299,6 +310,9 @@ static void tell(hc_gauges *gauges, int g, const readings *r, double *values) {
     break;
   case HC_GAUGE_VOLUME:
     values[0] = hc_sum_value(&r->sums[g][0]);
+    break;
+  case HC_GAUGE_DENSITY: /* 0/0 where there is no water */
+    values[0] = hc_sum_value(&r->sums[g][0]) / hc_sum_value(&r->sums[g][1]);
     break;
   case HC_GAUGE_PRESSURE:
   case HC_GAUGE_FLOW:

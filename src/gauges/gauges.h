@@ -12,6 +12,8 @@
  * - force: pressure force and its moment on a wall; viscous drag is not included.
  * - energy: kinetic and potential.
  * - volume: sum of m/max(rho, rho0), what compression takes away.
+ * - density: mean of the particles' densities; deep in the water it tells whether that has swollen. nan where
+ *   there is none.
  *
  * Boxes, rectangles and what is around a point are found through periodic images.
  *

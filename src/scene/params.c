@@ -55,15 +55,15 @@ static const hc_choice decompositions[] = {
 static const hc_choice rebalances[] = {
     {"none", HC_REBALANCE_NONE}, {"slabs", HC_REBALANCE_SLABS}, {"metis", HC_REBALANCE_METIS}, {NULL, 0}};
 
-static const hc_choice gauge_types[] = {{"height", HC_GAUGE_HEIGHT},     {"front", HC_GAUGE_FRONT},
-                                        {"pressure", HC_GAUGE_PRESSURE}, {"flow", HC_GAUGE_FLOW},
-                                        {"force", HC_GAUGE_FORCE},       {"energy", HC_GAUGE_ENERGY},
-                                        {"volume", HC_GAUGE_VOLUME},     {NULL, 0}};
+static const hc_choice gauge_types[] = {
+    {"height", HC_GAUGE_HEIGHT}, {"front", HC_GAUGE_FRONT},     {"pressure", HC_GAUGE_PRESSURE},
+    {"flow", HC_GAUGE_FLOW},     {"force", HC_GAUGE_FORCE},     {"energy", HC_GAUGE_ENERGY},
+    {"volume", HC_GAUGE_VOLUME}, {"density", HC_GAUGE_DENSITY}, {NULL, 0}};
 
-static const char *const gauge_names[] = {[HC_GAUGE_HEIGHT] = "height",     [HC_GAUGE_FRONT] = "front",
-                                          [HC_GAUGE_PRESSURE] = "pressure", [HC_GAUGE_FLOW] = "flow",
-                                          [HC_GAUGE_FORCE] = "force",       [HC_GAUGE_ENERGY] = "energy",
-                                          [HC_GAUGE_VOLUME] = "volume",     NULL};
+static const char *const gauge_names[] = {
+    [HC_GAUGE_HEIGHT] = "height", [HC_GAUGE_FRONT] = "front",     [HC_GAUGE_PRESSURE] = "pressure",
+    [HC_GAUGE_FLOW] = "flow",     [HC_GAUGE_FORCE] = "force",     [HC_GAUGE_ENERGY] = "energy",
+    [HC_GAUGE_VOLUME] = "volume", [HC_GAUGE_DENSITY] = "density", NULL};
 enum {
   HEIGHT = 1 << HC_GAUGE_HEIGHT,
   FRONT = 1 << HC_GAUGE_FRONT,
@@ -71,7 +71,8 @@ enum {
   FLOW = 1 << HC_GAUGE_FLOW,
   FORCE = 1 << HC_GAUGE_FORCE,
   ENERGY = 1 << HC_GAUGE_ENERGY,
-  VOLUME = 1 << HC_GAUGE_VOLUME
+  VOLUME = 1 << HC_GAUGE_VOLUME,
+  DENSITY = 1 << HC_GAUGE_DENSITY
 };
 
 static const char *const wall_forms[] = {[HC_FORM_BOX] = "box",

@@ -186,7 +186,8 @@ typedef enum hc_gauge_type {
   HC_GAUGE_FLOW,
   HC_GAUGE_FORCE,
   HC_GAUGE_ENERGY,
-  HC_GAUGE_VOLUME
+  HC_GAUGE_VOLUME,
+  HC_GAUGE_DENSITY
 } hc_gauge_type;
 
 /* What a run measures; gauges/gauges.h says how. */
@@ -305,8 +306,9 @@ typedef struct hc_scene {
     int release_steps;
     double divergence_error; /* fraction of the rest density per step */
     hc_iterations density_iterations, divergence_iterations;
-    double warm_start;            /* share of the last step's pressure taken over, 0 to 1 */
-    double relaxation;            /* of each correction, above 0 to 1 */
+    double warm_start; /* share of the last step's pressure taken over, 0 to 1 */
+    double relaxation; /* of each correction, above 0 to 1 */
+    bool gap_rule;
     int min_divergence_neighbors; /* fewer: the divergence solver leaves the particle alone */
     bool negative_pressure;       /* correct expansion too (closed periodic flows) */
   } solver;

@@ -59,6 +59,7 @@ static hc_solver_settings *dfsph_settings(const hc_scene *scene) {
                                   .divergence_max = scene->solver.divergence_iterations.max,
                                   .warm_start = scene->solver.warm_start,
                                   .relaxation = relaxation_of(scene),
+                                  .gap_rule = scene->solver.gap_rule && !scene->solver.negative_pressure,
                                   .min_divergence_neighbors = scene->solver.min_divergence_neighbors};
   return &settings->common;
 }

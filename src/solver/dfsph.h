@@ -11,6 +11,7 @@ typedef struct hc_dfsph_settings {
   int density_min, density_max, divergence_min, divergence_max; /* iterations */
   double warm_start, relaxation;
   int min_divergence_neighbors;
+  bool gap_rule; /* see dfsph.c */
 } hc_dfsph_settings;
 
 extern const hc_solver_ops hc_solver_dfsph;

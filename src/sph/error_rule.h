@@ -21,7 +21,9 @@ static inline void hc_error_note(float size, hc_error_total *total) {
 static inline void hc_error_apply(const hc_sweep *sweep, const hc_error_rule *rule, float per_density,
                                   int32_t row, int32_t i, float rate, hc_error_total *total) {
   hc_particles *fluid = sweep->fluid;
-  float e = rule->of_density * (fluid->density[i] * per_density - 1.0f) + rule->of_rate * rate;
+  const float excess = fluid->density[i] * per_density - 1.0f;
+  float e = rule->of_density * excess + rule->of_rate * rate;
+  if (excess < 0.0f) e += rule->of_gap * excess;
   if (rule->min_neighbors > 0 &&
       hc_list_count(sweep->list, row) + hc_list_count(sweep->walls, row) < rule->min_neighbors)
     e = 0.0f;

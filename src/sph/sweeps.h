@@ -60,9 +60,9 @@ typedef struct hc_sweep {
                                 not  rigid */
 } hc_sweep;
 
-/* How the error sweep weighs: e_i = of_density (D_i - 1) + of_rate dD_i/dt. */
+/* How the error sweep weighs: e_i = of_density (D_i - 1) + of_rate dD_i/dt + of_gap min(0, D_i - 1). */
 typedef struct hc_error_rule {
-  float of_density, of_rate;
+  float of_density, of_rate, of_gap;
   int min_neighbors; /* fluid and boundary; with fewer the error counts as 0 */
   bool signed_error; /* keep negative errors too */
   float relaxation;  /* of the multiplier: alpha e is a diagonal step, which overshoots where it may go both

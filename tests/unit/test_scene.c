@@ -280,7 +280,7 @@ START_TEST(test_gauges) {
   refuse_gauge("name: a", "5: missing required key 'output.gauges[0].type'");
   refuse_gauge("name: a, type: level",
                "21: output.gauges[0].type must be one of height, front, pressure, flow, "
-               "force, energy, volume, not 'level'");
+               "force, energy, volume, density, not 'level'");
   refuse_gauge("name: a, type: front", "5: missing key 'output.gauges[0].axis', required for front");
   refuse_gauge("name: a, type: volume, axis: +x",
                "35: output.gauges[0].axis is a key of height, front, pressure, flow, not of volume");

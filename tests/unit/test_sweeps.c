@@ -124,7 +124,12 @@ typedef struct found {
 
 static const hc_error_rule rules[2] = {
     {.of_density = 1.0f, .of_rate = 0.002f, .min_neighbors = 0, .signed_error = true, .relaxation = 0.5f},
-    {.of_density = 0.0f, .of_rate = 1.0f, .min_neighbors = 25, .signed_error = false, .relaxation = 1.0f}};
+    {.of_density = 0.0f,
+     .of_rate = 1.0f,
+     .of_gap = 40.0f,
+     .min_neighbors = 25,
+     .signed_error = false,
+     .relaxation = 1.0f}};
 static const float XSPH = 0.05f, LAMINAR = 3e-5f, ARTIFICIAL = 2e-4f, PRESSURE = 250.0f, COHESION = 1e-4f;
 
 /* Runs every sweep over all particles, in the ranges between the cuts. */
@@ -178,8 +183,9 @@ static bool near_vec(const float *values, double factor, const scaled_vec *refer
 
 /* The error of a particle as the rule has it, and how far off it may be. */
 static scaled expected_error(const setting *s, const expected *e, const hc_error_rule *rule, int32_t i) {
-  scaled error = {rule->of_density * (e->relative_density - 1) + rule->of_rate * e->rate.value,
-                  TOLERANCE * (fabsf(rule->of_density) * (e->relative_density + 1) +
+  scaled error = {rule->of_density * (e->relative_density - 1) + rule->of_rate * e->rate.value +
+                      rule->of_gap * fmin(0, e->relative_density - 1),
+                  TOLERANCE * ((fabsf(rule->of_density) + rule->of_gap) * (e->relative_density + 1) +
                                fabsf(rule->of_rate) * e->rate.scale)};
   if (hc_list_count(&s->list, i) + hc_list_count(&s->walls, i) < rule->min_neighbors) error = (scaled){0, 0};
   if (!rule->signed_error && error.value < 0) error.value = 0;
