@@ -20,7 +20,7 @@ enum {
   STEP_ROWS = 200,       /* of a step in steps.csv and load.csv */
   GAUGE_VALUE = 20,      /* in gauges.csv */
   SERIES_ENTRY = 60,     /* of a snapshot in run.hdf.series */
-  CHECKPOINT_HEADERS = 16384,
+  CHECKPOINT_HEADERS = 20480,
   OTHER_FILES = 8192 /* scene.yaml, run.log, timings.json */
 };
 

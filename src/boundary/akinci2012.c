@@ -4,22 +4,30 @@
  * A boundary particle stands for the volume V_b = factor / sum W, the sum over boundary particles only. The
  * paper's factor is 1, which over-counts a flat wall; the scene's default is computed so that a resting
  * lattice one spacing from a flat wall has exactly the rest density (setup/rest_lattice.h). The wall's push
- * enters the pressure sweep through wall_gradient. Known weakness: no tangential pressure gradient at the
- * wall; corners stay a little light.
+ * enters the pressure sweep through wall_gradient.
+ *
+ * Squared (not in the paper). A fluid neighbour pushes with p_i + p_j, a wall that mirrors the pressure with
+ * p_i once: to hold the water the layer at a wall must have twice its pressure. Where the wall density goes
+ * with the square of N = sum V_b W n_b (sph/sweeps.h, pairs.h) its gradient is twice as steep at a spacing,
+ * and still the exact gradient of what is kept at rest density, so that no energy comes from nowhere. Then
+ * the first layer has the pressure of its depth, to a few percent. solver/wall_layer.h gives the pressure
+ * behind the surface what it gains by depth.
  *
  * Contact. A single layer weighs as much as one layer of fluid, so pressure stops a particle only where its
  * density reaches the rest density: a drop of few particles passes through the layer, whose gradient vanishes
  * in the middle. Not in the paper: the part of the velocity along the gradient B of the wall density D_b is
  * cut so that D_b + dt (v . B - sum V_b v_b . grad W), which follows moving walls, stays within the value on
- * the wetted surface of a flat wall; a particle already beyond keeps no approaching velocity, but is not
- * thrown out. Fluid at rest stays a spacing away and never notices.
+ * the wetted surface of a flat wall (squared: N, from whose value D_b follows); a particle already beyond
+ * keeps no approaching velocity, but is not thrown out. Fluid at rest stays a spacing away and never notices.
  *
- * Between walls that meet at an angle a move from one of them into the other is none along B. So where some
- * sample looks far aside from B, each has a word of its own: a particle may come to the plane half a spacing
- * in front of it, no farther. */
+ * Between walls that meet at an angle a move from one of them into the other is none along B, and at bent
+ * ones N is short. So where some sample looks far aside from B, and always where densities are squared, each
+ * has a word of its own: a particle may come to the plane half a spacing in front of it, no farther. */
 #include "boundary.h"
 
 #include "base/memory.h"
+#include "normals.h"
+#include "sph/kernel.h"
 
 static const double ASIDE = 0.68;  /* cosine between B and the normal of a sample: walls at an angle */
 static const double BESIDE = 0.75; /* spacings: how far beside a sample the plane in front of it reaches */
@@ -29,6 +37,7 @@ enum { PASSES = 2 };               /* over the faces of a particle, which push i
 static void prepare(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
                     const hc_neighbors *list, double factor) {
   sweeps->boundary_volume(sweep, boundary, list, (float)factor);
+  if (sweep->flat_wall > 0.0f) hc_boundary_look_at_normals(sweep, boundary, list);
 }
 
 /* A particle that may touch walls. */
@@ -49,13 +58,47 @@ static void take_out(const touch *t, double speed, const double direction[3]) {
   }
 }
 
+/* The share of walls in a particle's wall density that are too thin for normals. */
+static double thin_share(const touch *t, double density) {
+  const hc_sweep *const sweep = t->sweep;
+  const uint32_t *const row = hc_list_row(sweep->walls, t->i);
+  double thin = 0.0;
+  for (int32_t k = 0; k < hc_list_count(sweep->walls, t->i); k++) {
+    const size_t b = row[k] / sizeof(hc_record);
+    if (sweep->boundary->facing[b].scalar != 0.0f) continue;
+    double square = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+      const double d = (double)(int32_t)((uint32_t)sweep->fluid->place[t->i].x[axis] -
+                                         (uint32_t)sweep->boundary->place[b].x[axis]) *
+                       (double)sweep->scale[axis];
+      square += d * d;
+    }
+    thin += (double)sweep->kernel * (double)sweep->boundary->place[b].scalar * hc_kernel_shape(sqrt(square));
+  }
+  return fmin(1.0, thin / density);
+}
+
+/* How far D_b may rise until the particle is at the wetted surface, where the sum of wall densities is
+ * `limit`. Where D_b goes with the square of N, it is N that may come to the limit, and D_b rises by 2 N
+ * dN/D_0. */
+static double room_of(const touch *t, double density, double limit, double approach) {
+  const double flat = (double)t->sweep->flat_wall, of_sum = limit - density;
+  if (flat == 0.0) return of_sum;
+  const double n = sqrt(density * flat), squared = 2.0 * n / flat * (limit - n);
+  if (approach * t->dt <= fmin(of_sum, squared)) return of_sum; /* room enough whichever it is */
+  const double share = thin_share(t, density);
+  return share * of_sum + (1.0 - share) * squared;
+}
+
 /* What would carry the particle further along B than its wall density allows. The push acts like a divergence
  * multiplier: rho0 push/dt in Pa. */
-static bool hold_by_density(const touch *t, double room) {
+static bool hold_by_density(const touch *t, double density, double limit) {
   const hc_particles *const fluid = t->sweep->fluid;
   const double *const velocity = &fluid->velocity[3 * (size_t)t->i];
   double approach = fluid->wall_rate ? -(double)fluid->wall_rate[t->i] : -0.0;
   for (int axis = 0; axis < 3; axis++) approach += velocity[axis] * t->gradient[axis];
+  if (approach <= 0.0) return false;
+  const double room = room_of(t, density, limit, approach);
   const double allowed = room > 0.0 ? room / t->dt : 0.0;
   if (approach <= allowed) return false;
   const double push = (approach - allowed) / t->square;
@@ -127,8 +170,9 @@ static int64_t contact(const hc_sweep *sweep, double limit, double dt) {
       t.square += t.gradient[axis] * t.gradient[axis];
     }
     if (t.square == 0.0) continue;
-    const bool by_density = hold_by_density(&t, limit - density);
-    held += (density > NEAR * limit && is_between(&t) && hold_by_samples(&t, sweep->holds)) || by_density;
+    const bool by_density = hold_by_density(&t, density, limit);
+    const bool by_each = sweep->flat_wall > 0.0f || is_between(&t); /* N of a bent wall is short */
+    held += (density > NEAR * limit && by_each && hold_by_samples(&t, sweep->holds)) || by_density;
   }
   return held;
 }

@@ -6,10 +6,11 @@
  * - pressure: at a point in the fluid, the kernel's weighted mean of the particles around. With a wall: the
  *   push on the wall's samples around the point over their area, which is exact in the mean where the
  *   pressures of the layer next to a wall are not. With an axis too: only the samples of the face through the
- *   point count, and only the push along the axis.
+ *   point count, and only the push along the axis, of fluid in front of it.
  *   Where the wall moves, point and face go with it, and so does the point of a force's moment.
  * - flow: volume per time through a rectangle, counted particle by particle.
- * - force: pressure force and its moment on a wall; viscous drag is not included.
+ * - force: force of pressure, contact and friction, and its moment, on a wall; the drag of a viscosity model
+ * is not included.
  * - energy: kinetic and potential.
  * - volume: sum of m/max(rho, rho0), what compression takes away.
  * - density: mean of the particles' densities; deep in the water it tells whether that has swollen. nan where

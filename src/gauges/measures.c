@@ -146,6 +146,14 @@ int64_t hc_measure_crossings(const hc_gauges *gauges, const hc_scene_gauge *gaug
   return crossings;
 }
 
+/* Does a push on a face come from fluid that is not in front of it? Such pairs push the samples of an edge
+ * out of their face. */
+static bool is_round_corner(const hc_gauges *gauges, const double direction[3], const hc_wall_push *push) {
+  static const double LEAST = 0.45; /* spacings */
+  if (direction[0] == 0.0 && direction[1] == 0.0 && direction[2] == 0.0) return false;
+  return dot(push->from, direction) > -LEAST * gauges->scene->particle_spacing;
+}
+
 /* The gauges that take pushes, and where. */
 typedef struct taking {
   const hc_gauges *gauges;
@@ -171,7 +179,7 @@ static void add_push(void *context, const hc_wall_push *push) {
     const double *f = push->force;
     const bool force = gauge->type == HC_GAUGE_FORCE;
     const double weight = force ? 1.0 : patch_weight(gauges, state->direction, arm);
-    if (weight == 0.0) continue;
+    if (weight == 0.0 || (!force && is_round_corner(gauges, state->direction, push))) continue;
     for (int axis = 0; axis < 3; axis++) {
       hc_sum_add(&to[axis], weight * f[axis]);
       const int b = (axis + 1) % 3, c = (axis + 2) % 3;

@@ -24,6 +24,13 @@ static const hc_choice boundary_methods[] = {{"akinci2012", HC_BOUNDARY_AKINCI20
                                              {NULL, 0}};
 static const hc_choice tension_models[] = {
     {"none", HC_TENSION_NONE}, {"becker2007", HC_TENSION_BECKER2007}, {NULL, 0}};
+static const hc_choice friction_laws[] = {{"none", HC_SCENE_FRICTION_NONE},
+                                          {"no_slip", HC_SCENE_FRICTION_NO_SLIP},
+                                          {"smooth", HC_SCENE_FRICTION_SMOOTH},
+                                          {"rough", HC_SCENE_FRICTION_ROUGH},
+                                          {NULL, 0}};
+static const hc_choice wall_densities[] = {
+    {"sum", HC_WALL_DENSITY_SUM}, {"squared", HC_WALL_DENSITY_SQUARED}, {NULL, 0}};
 static const hc_choice density_corrections[] = {
     {"none", HC_CORRECTION_NONE}, {"shepard", HC_CORRECTION_SHEPARD}, {NULL, 0}};
 static const hc_choice insides[] = {{"fluid", HC_INSIDE_FLUID}, {"solid", HC_INSIDE_SOLID}, {NULL, 0}};

@@ -214,6 +214,37 @@ static void check_wall(hc_scene *scene, int index, const hc_given *given, hc_com
   if (!hc_given_has(given, "name")) snprintf(wall->name, sizeof wall->name, "wall_%d", index);
 }
 
+/* The friction of walls, by what the scene says and else by what goes with its viscosity. */
+static void complete_friction(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  const bool laminar = scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR;
+  if (hc_given_is_bad(given, "boundary.friction_law") || hc_given_is_bad(given, "fluid.viscosity.model"))
+    return;
+  if (!hc_given_has(given, "fluid.kinematic_viscosity") && laminar &&
+      scene->fluid.viscosity.coefficient > 0.0)
+    scene->fluid.kinematic_viscosity = scene->fluid.viscosity.coefficient;
+  if (!hc_given_has(given, "boundary.friction_law"))
+    scene->boundary.friction_law = laminar                          ? HC_SCENE_FRICTION_NO_SLIP
+                                   : scene->boundary.friction < 1.0 ? HC_SCENE_FRICTION_NONE
+                                                                    : HC_SCENE_FRICTION_SMOOTH;
+  if (scene->boundary.friction_law == HC_SCENE_FRICTION_ROUGH && scene->boundary.roughness == 0.0)
+    require(given, "boundary.roughness", "with friction_law rough", complaints);
+  const hc_given_value *const walls = hc_given_value_of(given, "boundary.walls");
+  for (int k = 0; k < walls->item_count; k++) {
+    hc_wall *const wall = &scene->boundary.walls[k];
+    const hc_given *const own = &walls->items[k];
+    if (walls->items[k].bad || hc_given_is_bad(own, "friction_law")) continue;
+    if (!hc_given_has(own, "friction_law")) wall->friction_law = scene->boundary.friction_law;
+    if (!hc_given_has(own, "roughness")) wall->roughness = scene->boundary.roughness;
+    if (wall->friction_law == HC_SCENE_FRICTION_ROUGH && wall->roughness == 0.0)
+      require(own, "roughness", "with friction_law rough", complaints);
+    if (laminar && (wall->friction_law == HC_SCENE_FRICTION_NO_SLIP) !=
+                       (scene->boundary.walls[0].friction_law == HC_SCENE_FRICTION_NO_SLIP))
+      hc_complaints_add(complaints, hc_given_place_of(own, "friction_law"),
+                        "%sfriction_law: with laminar viscosity all walls must be no_slip, or none",
+                        own->prefix);
+  }
+}
+
 static int by_name(const void *left, const void *right) {
   const hc_wall *a = *(const hc_wall *const *)left, *b = *(const hc_wall *const *)right;
   const int order = strcmp(a->name, b->name);
@@ -348,6 +379,7 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
   for (int k = 0; k < walls->item_count; k++)
     if (!walls->items[k].bad) check_wall(scene, k, &walls->items[k], complaints);
   check_wall_names(scene, walls, complaints);
+  complete_friction(scene, given, complaints);
   const hc_given_value *gauges = hc_given_value_of(given, "output.gauges");
   for (int k = 0; k < gauges->item_count; k++)
     if (!gauges->items[k].bad) check_gauge(scene, k, &gauges->items[k], complaints);

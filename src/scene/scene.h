@@ -159,6 +159,13 @@ typedef struct hc_wall_motion {
   double start, stop; /* s; stop 0: never */
 } hc_wall_motion;
 
+typedef enum hc_scene_friction {
+  HC_SCENE_FRICTION_NONE,
+  HC_SCENE_FRICTION_NO_SLIP,
+  HC_SCENE_FRICTION_SMOOTH,
+  HC_SCENE_FRICTION_ROUGH
+} hc_scene_friction;
+
 /* A wall's surface is the wetted surface: boundary samples lie half a spacing outside the fluid's side of it.
  */
 typedef struct hc_wall {
@@ -177,6 +184,8 @@ typedef struct hc_wall {
   double normal[3]; /* plane: into the fluid; unit length after reading */
   double size[2];   /* plane: edge lengths along its two tangents */
   hc_wall_motion motion;
+  hc_scene_friction friction_law;
+  double roughness; /* rough: k_s, m */
 } hc_wall;
 
 typedef enum hc_gauge_type {
@@ -214,6 +223,7 @@ typedef enum hc_boundary_method {
   HC_BOUNDARY_BECKER2009,
   HC_BOUNDARY_HARADA2007
 } hc_boundary_method;
+typedef enum hc_wall_density { HC_WALL_DENSITY_SUM, HC_WALL_DENSITY_SQUARED } hc_wall_density;
 typedef enum hc_solver_method { HC_SOLVER_DFSPH, HC_SOLVER_PCISPH } hc_solver_method;
 typedef enum hc_density_correction { HC_CORRECTION_NONE, HC_CORRECTION_SHEPARD } hc_density_correction;
 typedef enum hc_time_control { HC_TIME_CONSTANT, HC_TIME_CFL, HC_TIME_ADAPTIVE } hc_time_control;
@@ -268,6 +278,7 @@ typedef struct hc_scene {
 
   struct {
     double rest_density;
+    double kinematic_viscosity; /* m2/s: what friction at walls goes by */
     struct {
       hc_viscosity_model model;
       double coefficient;
@@ -290,10 +301,14 @@ typedef struct hc_scene {
   struct {
     hc_boundary_method method;
     double volume_factor; /* 0 = computed */
-    int layers;           /* of samples; 0 = what the method asks for */
-    bool contact;         /* hold particles that the wall's pressure does not stop */
-    double friction;      /* share of the tangential velocity that stays; 1 = free slip */
-    double elasticity;    /* share of the normal velocity that returns */
+    hc_wall_density wall_density;
+    int layers;                     /* of samples; 0 = what the method asks for */
+    bool contact;                   /* hold particles that the wall's pressure does not stop */
+    hc_scene_friction friction_law; /* of walls that name none, */
+    double roughness;               /* and k_s of rough ones, m */
+    bool depth_pressure;
+    double friction;   /* share of the tangential velocity that stays; 1 = free slip */
+    double elasticity; /* share of the normal velocity that returns */
     hc_wall *walls;
     int wall_count;
   } boundary;

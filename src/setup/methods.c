@@ -39,6 +39,18 @@ static void check_walls(const hc_scene *scene, hc_findings *findings) {
                     names, solver->name, solver->walls_why);
 }
 
+/* Positions that are predicted again and again go by the walls' gradient at the step's beginning, which is
+ * too far from that of a squared density. */
+static void check_wall_density(hc_scene *scene, hc_findings *findings) {
+  if (scene->solver.method == HC_SOLVER_DFSPH) return;
+  if (!hc_given_has(findings->given, "boundary.wall_density"))
+    scene->boundary.wall_density = HC_WALL_DENSITY_SUM;
+  else if (scene->boundary.wall_density != HC_WALL_DENSITY_SUM)
+    hc_findings_error(findings, "boundary.wall_density",
+                      "boundary.wall_density must be sum with solver.method %s: squared needs dfsph",
+                      hc_setup_solver_ops(scene)->name);
+}
+
 static void check_control(hc_scene *scene, hc_findings *findings) {
   const hc_solver_ops *solver = hc_setup_solver_ops(scene);
   if (!solver->controls) return;
@@ -52,6 +64,7 @@ static void check_control(hc_scene *scene, hc_findings *findings) {
 void hc_setup_complete(hc_scene *scene, hc_findings *findings) {
   const bool solver = is_good(findings, "solver.method"), control = is_good(findings, "time_step.control");
   if (solver && is_good(findings, "boundary.method")) check_walls(scene, findings);
+  if (solver && is_good(findings, "boundary.wall_density")) check_wall_density(scene, findings);
   if (solver && control) check_control(scene, findings);
   if (solver) hc_setup_solver_complete(scene, control && hc_setup_control_ops(scene)->by_errors, findings);
   if (control) hc_setup_control_complete(scene, findings);

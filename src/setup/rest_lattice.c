@@ -58,9 +58,13 @@ double hc_setup_contact_limit(double spacing_over_h, double factor) {
   return factor * plane_sum(spacing_over_h, 0.5) / plane_sum(spacing_over_h, 0);
 }
 
+double hc_setup_flat_wall(double spacing_over_h, double factor) {
+  return factor * plane_sum(spacing_over_h, 1) / plane_sum(spacing_over_h, 0);
+}
+
 double hc_setup_start_limit(double spacing_over_h, double factor) {
-  const double flat = factor * plane_sum(spacing_over_h, 1) / plane_sum(spacing_over_h, 0);
-  return 1.05 * fmax(3 * flat, hc_setup_contact_limit(spacing_over_h, factor));
+  return 1.05 *
+         fmax(3 * hc_setup_flat_wall(spacing_over_h, factor), hc_setup_contact_limit(spacing_over_h, factor));
 }
 
 double hc_setup_wall_share(double spacing_over_h) {

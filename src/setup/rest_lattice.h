@@ -23,6 +23,9 @@ double hc_setup_wall_factor(double spacing_over_h);
  * of h/2. */
 double hc_setup_contact_limit(double spacing_over_h, double factor);
 
+/* The wall density of a lattice a spacing from a flat wall with that factor: 0.15 with the computed one. */
+double hc_setup_flat_wall(double spacing_over_h, double factor);
+
 /* The most wall density that fluid may start with: what it has in a right corner a spacing from three walls,
  * or on the wetted surface, and a little more. */
 double hc_setup_start_limit(double spacing_over_h, double factor);

@@ -1,5 +1,7 @@
 #include "settings.h"
 
+#include "base/memory.h"
+
 #include "setup/fluid.h"
 #include "setup/rest_lattice.h"
 #include "setup/solvers.h"
@@ -24,6 +26,47 @@ double hc_settings_wall_factor(const hc_scene *scene) {
   const double ratio = scene->particle_spacing / scene->support_radius;
   if (hc_settings_boundary(scene)->walls != HC_WALLS_MIRRORED) return hc_setup_wall_share(ratio);
   return scene->boundary.volume_factor > 0.0 ? scene->boundary.volume_factor : hc_setup_wall_factor(ratio);
+}
+
+double hc_settings_flat_wall(const hc_scene *scene) {
+  if (hc_settings_boundary(scene)->walls != HC_WALLS_MIRRORED ||
+      scene->boundary.wall_density != HC_WALL_DENSITY_SQUARED)
+    return 0.0;
+  return hc_setup_flat_wall(scene->particle_spacing / scene->support_radius, hc_settings_wall_factor(scene));
+}
+
+static hc_friction_law law_of(const hc_scene *scene, int wall) {
+  switch (scene->boundary.walls[wall].friction_law) {
+  case HC_SCENE_FRICTION_NONE:
+    break;
+  case HC_SCENE_FRICTION_NO_SLIP:
+    return HC_FRICTION_NO_SLIP;
+  case HC_SCENE_FRICTION_SMOOTH:
+    return HC_FRICTION_SMOOTH;
+  case HC_SCENE_FRICTION_ROUGH:
+    return HC_FRICTION_ROUGH;
+  }
+  return HC_FRICTION_NONE;
+}
+
+bool hc_settings_no_slip(const hc_scene *scene) {
+  const int count = scene->boundary.wall_count;
+  return scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR && count > 0 &&
+         law_of(scene, 0) == HC_FRICTION_NO_SLIP; /* all, or none */
+}
+
+hc_wall_friction *hc_settings_friction(const hc_scene *scene) {
+  const int count = scene->boundary.wall_count;
+  if (hc_settings_no_slip(scene)) return NULL;
+  hc_wall_friction *const friction = hc_alloc_zero((size_t)count, sizeof *friction);
+  bool any = false;
+  for (int k = 0; k < count; k++) {
+    friction[k] = (hc_wall_friction){law_of(scene, k), scene->boundary.walls[k].roughness};
+    any |= friction[k].law != HC_FRICTION_NONE;
+  }
+  if (any) return friction;
+  hc_free(friction);
+  return NULL;
 }
 
 hc_step_report hc_settings_start_report(const hc_scene *scene, double v2_max) {

@@ -28,6 +28,9 @@ static hc_solver_settings common_settings(const hc_scene *scene) {
                                .viscosity = viscosity_of(scene->fluid.viscosity.model),
                                .viscosity_coefficient = scene->fluid.viscosity.coefficient,
                                .sound_speed = hc_setup_sound_speed(scene),
+                               .wall_viscosity = scene->fluid.kinematic_viscosity,
+                               .depth_pressure = scene->boundary.depth_pressure &&
+                                                 scene->boundary.method == HC_BOUNDARY_AKINCI2012,
                                .negative_pressure = scene->solver.negative_pressure};
   memcpy(common.gravity, scene->gravity, sizeof common.gravity);
   memcpy(common.centre, scene->central_force.center, sizeof common.centre);

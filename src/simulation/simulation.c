@@ -62,7 +62,9 @@ static hc_status settle(hc_simulation *simulation, hc_error *error) {
   hc_solver_settings *settings = simulation->solver_settings;
   const hc_viscous_force viscosity = settings->viscosity;
   const double dt = hc_setup_settle_step(simulation->scene);
+  const hc_wall_friction *const friction = world->sweep.friction;
   settings->viscosity = HC_VISCOUS_NONE;
+  world->sweep.friction = NULL;
   hc_status status = HC_OK;
   int step = 0;
   for (; status == HC_OK && step < simulation->scene->fluid.settle_steps; step++) {
@@ -71,6 +73,7 @@ static hc_status settle(hc_simulation *simulation, hc_error *error) {
     status = simulation->solver->step(world, settings, dt, step > 0 ? dt : 0.0, &simulation->report, error);
   }
   settings->viscosity = viscosity;
+  world->sweep.friction = friction;
   if (status != HC_OK) {
     const hc_error found = *error;
     return hc_error_set(error, HC_FAILED, "the simulation diverged while its start settled, step %d: %.4000s",
@@ -186,6 +189,9 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
       .volume_factor = volume_factor,
       .contact_limit = scene->boundary.contact ? hc_setup_contact_limit(ratio, volume_factor) : 0.0,
       .start_limit = hc_setup_start_limit(ratio, volume_factor),
+      .flat_wall = hc_settings_flat_wall(scene),
+      .friction = hc_settings_friction(scene),
+      .no_slip = hc_settings_no_slip(scene),
       .boundary_ops = hc_settings_boundary(scene),
       .features = hc_settings_features(scene),
       .isa = simulation->isa};

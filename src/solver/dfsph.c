@@ -18,6 +18,7 @@
 #include "dfsph.h"
 
 #include "sph/error_rule.h"
+#include "wall_layer.h"
 
 #include <math.h>
 #include <string.h>
@@ -143,19 +144,26 @@ static solved correct_density_error(hc_world *world, const hc_dfsph_settings *se
   return iterate(&solve, FIRST);
 }
 
-/* v += dt * non-pressure accelerations; ghosts too. */
+/* v += dt * non-pressure accelerations, and what walls do beside them; ghosts too. */
 static void apply_forces(hc_world *world, const hc_solver_settings *settings, double dt,
                          hc_step_report *report) {
   const int32_t border = world->fluid->border, own = world->fluid->own;
   const float *change = hc_find_forces(world, settings, dt);
   hc_accelerate(world, settings, change, dt, 0, border);
+  hc_wall_layer_act(world, settings, dt, 0, border);
   hc_halo_begin(world->halo, HC_WHOLE(motion));
   hc_accelerate(world, settings, change, dt, border, own);
+  hc_wall_layer_act(world, settings, dt, border, own);
   report->force_max = hc_largest_force(world, settings, dt, change, NULL);
   hc_halo_end(world->halo);
 }
 
+/* The pressure that multipliers of a step of dt stand for; none before the first step. */
 static void store_pressure(hc_particles *fluid, double rest_density, double dt) {
+  if (!(dt > 0.0)) {
+    memset(fluid->pressure, 0, (size_t)fluid->own * sizeof *fluid->pressure);
+    return;
+  }
   const float of_density = (float)(rest_density / (dt * dt)), of_divergence = (float)(rest_density / dt);
   for (int32_t i = 0; i < fluid->own; i++)
     fluid->pressure[i] =
@@ -167,6 +175,8 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
                       hc_step_report *report, hc_error *error) {
   const hc_dfsph_settings *own = (const hc_dfsph_settings *)settings;
   memset(report, 0, sizeof *report);
+  if (settings->depth_pressure) store_pressure(world->fluid, settings->rest_density, dt_before);
+  hc_wall_layer_look(world, settings, settings->depth_pressure ? world->fluid->pressure : NULL);
   hc_remember_velocities(world);
   hc_fault_watch_start(world, dt, &report->fault);
 

@@ -143,6 +143,21 @@ static double central_work(const hc_world *world, const hc_solver_settings *sett
          (arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2]);
 }
 
+/* Averages what the pressure bears of a particle's weight, from its acceleration in a step of dt. */
+static void note_borne(const hc_world *world, const hc_solver_settings *settings, double dt, int32_t i) {
+  double g[3], square = 0.0, along = 0.0;
+  hc_body_force(world, settings, i, g);
+  for (int axis = 0; axis < 3; axis++) {
+    square += g[axis] * g[axis];
+    along += (g[axis] - (double)world->fluid->acceleration[3 * (size_t)i + (size_t)axis]) * g[axis];
+  }
+  if (!(square > 0.0)) return;
+  const double over = sqrt(world->frame.support_radius / sqrt(square)),
+               now = fmin(2.0, fmax(-1.0, along / square));
+  float *const borne = &world->fluid->borne[i];
+  *borne += (float)(dt / (dt + over) * (now - (double)*borne));
+}
+
 static void move_all(hc_world *world, const hc_solver_settings *settings, double dt, hc_move_to to,
                      hc_moved *moved) {
   hc_particles *fluid = world->fluid;
@@ -168,6 +183,7 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
       work += settings->gravity[axis] * hc_frame_to_metres(frame, axis, position[axis]);
     }
     work += central_work(world, settings, k);
+    if (fluid->borne) note_borne(world, settings, dt, k);
     hc_sum_add(&moved->energy[0], v2);
     hc_sum_add(&moved->energy[1], work);
     if (v2 > moved->v2_max) moved->v2_max = v2;

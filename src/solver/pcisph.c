@@ -11,6 +11,7 @@
 #include "pcisph.h"
 
 #include "sph/error_rule.h"
+#include "wall_layer.h"
 
 #include "base/memory.h"
 
@@ -255,13 +256,15 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
   start(&step);
   leave_for_later(&step, dt_before);
   const float *change = hc_find_forces(world, settings, dt);
-  predict_walls(&step, 1);
   for (int32_t i = 0; i < world->fluid->own; i++) {
     double force[3];
     hc_body_force(world, settings, i, force);
     for (size_t axis = 0, at = 3 * (size_t)i; axis < 3; axis++, at++)
       world->fluid->velocity[at] += (double)change[at] + dt * force[axis];
   }
+  hc_wall_layer_look(world, settings, NULL);
+  hc_wall_layer_act(world, settings, dt, 0, world->fluid->own);
+  predict_walls(&step, 1);
 
   /* predict, correct */
   hc_stopwatch_enter(&world->watch, HC_STAGE_PRESSURE);

@@ -30,6 +30,8 @@ typedef struct hc_solver_settings {
   hc_viscous_force viscosity;
   double viscosity_coefficient; /* xsph: share; artificial: alpha; laminar: m2/s */
   double sound_speed;           /* artificial: m/s */
+  double wall_viscosity;        /* m2/s: of friction at walls */
+  bool depth_pressure;          /* see wall_layer.h */
   double surface_tension;       /* kappa of Becker and Teschner 2007, m3/s2; 0: none */
   bool negative_pressure;
 } hc_solver_settings;

@@ -1,54 +1,74 @@
+/* Each sample of a wall takes the force of its pairs with particles, but for what of it goes along its face:
+ * that belongs to a wall across which it goes, as what pushes the foot of a box on a floor down. So of each
+ * particle what goes along faces is added up, to T, and so is what contact took, and shared out along
+ * normals: F_b = w_b (n_b (n_b.l) + e l), with l such that they add up to T. w_b = 1 - r/h of the samples in
+ * front of which the particle is. Where faces meet samples keep the force of their pairs. */
 #include "wall_force.h"
 
 #include "sph/kernel.h"
+#include "wall_layer.h"
 
 #include <string.h>
 
-/* A particle and a sample: their distance in support radii, and where the sample is. */
+static const double ASIDE = 0.02; /* e: of a share, what goes along the wall */
+
+/* A particle and a sample: from the sample on, in support radii, and the scalars of the kernel. */
 typedef struct pair {
+  int32_t b;
   double d[3], q;
-  double at[3];
 } pair;
 
-/* `back`: how long the particle has moved since it was where its record says, s. */
-static pair make_pair(const hc_sweep *sweep, const hc_frame *frame, double back, int32_t i, int32_t b) {
-  const hc_particles *fluid = sweep->fluid;
-  pair pair;
-  for (int axis = 0; axis < 3; axis++) {
-    const int32_t units =
-        (int32_t)((uint32_t)fluid->place[i].x[axis] - (uint32_t)sweep->boundary->place[b].x[axis]);
-    pair.d[axis] = (double)units * sweep->scale[axis];
-    pair.at[axis] = hc_frame_to_metres(frame, axis, fluid->position[3 * (size_t)i + axis]) -
-                    back * fluid->velocity[3 * (size_t)i + axis] - (double)units * frame->unit[axis];
-  }
+static pair make_pair(const hc_sweep *sweep, int32_t i, uint32_t offset) {
+  pair pair = {.b = (int32_t)(offset / sizeof(hc_record))};
+  for (int axis = 0; axis < 3; axis++)
+    pair.d[axis] = (double)(int32_t)((uint32_t)sweep->fluid->place[i].x[axis] -
+                                     (uint32_t)sweep->boundary->place[pair.b].x[axis]) *
+                   sweep->scale[axis];
   pair.q = sqrt(pair.d[0] * pair.d[0] + pair.d[1] * pair.d[1] + pair.d[2] * pair.d[2]);
   return pair;
 }
 
+static double along(const float normal[3], const double v[3]) {
+  return (double)normal[0] * v[0] + (double)normal[1] * v[1] + (double)normal[2] * v[2];
+}
+
+/* ---- what a particle puts on walls ---- */
+
+/* N/D_0, where wall densities go with the square; see hc_sweep.flat_wall. */
+static void find_squared(const hc_sweep *sweep, int32_t i, double sum[3]) {
+  const uint32_t *const offset = hc_list_row(sweep->walls, i);
+  memset(sum, 0, 3 * sizeof *sum);
+  if (sweep->flat_wall == 0.0f) return;
+  for (int32_t k = 0; k < hc_list_count(sweep->walls, i); k++) {
+    const pair pair = make_pair(sweep, i, offset[k]);
+    const hc_record *const n = &sweep->boundary->facing[pair.b];
+    const double weight = hc_kernel_shape(pair.q) * (double)sweep->kernel / (double)sweep->flat_wall *
+                          (double)sweep->boundary->place[pair.b].scalar * (double)n->scalar;
+    for (int axis = 0; axis < 3; axis++) sum[axis] += weight * (double)n->v[axis];
+  }
+}
+
 /* What of a particle's pressure and a sample's acts between them, by how walls take part: times m/rho0 grad W
  * a force. */
-static double strength(const hc_sweep *sweep, int32_t i, int32_t b) {
+static double strength(const hc_sweep *sweep, int32_t i, const pair *pair, const double squared[3],
+                       const hc_touch *touch) {
   const hc_particles *fluid = sweep->fluid, *boundary = sweep->boundary;
   switch (sweep->walls_add) {
-  case HC_WALLS_MIRRORED:
-    return (double)fluid->pressure[i] * (double)boundary->place[b].scalar;
+  case HC_WALLS_MIRRORED: {
+    const hc_record *const n = &boundary->facing[pair->b];
+    double weight = 1.0, depth = 0.0;
+    if (sweep->flat_wall > 0.0f && n->scalar != 0.0f) weight = 2.0 * (double)n->scalar * along(n->v, squared);
+    if (touch) depth = -(double)sweep->rest_density * (double)sweep->support * along(touch->depth, pair->d);
+    return ((double)fluid->pressure[i] * weight + depth) * (double)boundary->place[pair->b].scalar;
+  }
   case HC_WALLS_PRESSURE:
     return (double)sweep->rest_density * sweep->volume *
-           ((double)fluid->place[i].scalar + (double)boundary->place[b].scalar);
+           ((double)fluid->place[i].scalar + (double)boundary->place[pair->b].scalar);
   case HC_WALLS_NOTHING:
   case HC_WALLS_DISTANCE:
     break;
   }
   return 0.0;
-}
-
-/* How much of a contact a sample takes. */
-static double share(double q) {
-  return fmax(0.0, 1.0 - q);
-}
-
-double hc_wall_force_later(const hc_sweep *sweep, double dt) {
-  return sweep->contacts ? dt : 0.0;
 }
 
 /* What contact with walls has changed a particle's velocity by; null: nothing. `next`: the holds before are
@@ -60,32 +80,163 @@ static const float *contact_of(const hc_sweep *sweep, int32_t i, size_t *next) {
   return holds->at[(*next)++].change;
 }
 
+/* What friction and depth did beside the pressure; null: nothing. */
+static const hc_touch *touch_of(const hc_sweep *sweep, int32_t i, size_t *next) {
+  const hc_touches *const touches = sweep->touches;
+  if (!touches || *next == touches->count || touches->at[*next].particle != i) return NULL;
+  return &touches->at[(*next)++];
+}
+
+/* A particle and its walls. */
+typedef struct pusher {
+  const hc_sweep *sweep;
+  int32_t i;
+  double squared[3];
+  const float *contact; /* null: none */
+  const hc_touch *touch;
+  bool any;    /* in front of no face: all samples share alike */
+  double l[3]; /* see above */
+  double rubs; /* sum of the shares in friction */
+} pusher;
+
+/* Is the sample of a face, with a normal? */
+static bool is_face(const hc_sweep *sweep, int32_t b) {
+  const hc_record *const facing = &sweep->boundary->facing[b];
+  return facing->scalar == 1.0f && (facing->v[0] != 0.0f || facing->v[1] != 0.0f || facing->v[2] != 0.0f);
+}
+
+/* The force of a pair on its sample, N: what stays there; `aside`: what goes along the face. */
+static void pair_force(const pusher *p, const pair *pair, double force[3], double aside[3]) {
+  const hc_sweep *const sweep = p->sweep;
+  const double factor = pair->q < 1.0 ? strength(sweep, p->i, pair, p->squared, p->touch) * sweep->volume *
+                                            sweep->gradient * hc_kernel_slope_over_q(pair->q)
+                                      : 0.0;
+  for (int axis = 0; axis < 3; axis++) {
+    force[axis] = factor * pair->d[axis];
+    aside[axis] = 0.0;
+  }
+  if (!is_face(sweep, pair->b)) return;
+  const float *const n = sweep->boundary->facing[pair->b].v;
+  const double across = along(n, force);
+  for (int axis = 0; axis < 3; axis++) {
+    aside[axis] = force[axis] - across * (double)n[axis];
+    force[axis] = across * (double)n[axis];
+  }
+}
+
+/* ---- who takes what goes along ---- */
+
+/* The weight of a sample in the sharing. */
+static double weight_of(const pusher *p, const pair *pair) {
+  const float *const n = p->sweep->boundary->facing[pair->b].v;
+  const bool takes = p->any || (is_face(p->sweep, pair->b) && along(n, pair->d) > 0.0);
+  return takes ? fmax(0.0, 1.0 - pair->q) : 0.0;
+}
+
+/* Solves m x = b for symmetric positive definite m: xx, yy, zz, xy, xz, yz. */
+static void solve(const double m[6], const double b[3], double x[3]) {
+  const double xx = m[1] * m[2] - m[5] * m[5], yy = m[0] * m[2] - m[4] * m[4], zz = m[0] * m[1] - m[3] * m[3],
+               xy = m[4] * m[5] - m[3] * m[2], xz = m[3] * m[5] - m[4] * m[1], yz = m[3] * m[4] - m[0] * m[5];
+  const double whole = m[0] * xx + m[3] * xy + m[4] * xz;
+  x[0] = (xx * b[0] + xy * b[1] + xz * b[2]) / whole;
+  x[1] = (xy * b[0] + yy * b[1] + yz * b[2]) / whole;
+  x[2] = (xz * b[0] + yz * b[1] + zz * b[2]) / whole;
+}
+
+/* Finds l for T, from the samples around. */
+static bool find_sharing(pusher *p, const double aside[3]) {
+  const hc_sweep *const sweep = p->sweep;
+  const uint32_t *const offset = hc_list_row(sweep->walls, p->i);
+  double m[6] = {0.0}, sum = 0.0;
+  for (int32_t k = 0; k < hc_list_count(sweep->walls, p->i); k++) {
+    const pair pair = make_pair(sweep, p->i, offset[k]);
+    const double weight = weight_of(p, &pair);
+    if (!(weight > 0.0)) continue;
+    double n[3] = {0.0, 0.0, 0.0};
+    for (int axis = 0; axis < 3 && !p->any; axis++) n[axis] = (double)sweep->boundary->facing[pair.b].v[axis];
+    sum += weight;
+    for (int axis = 0; axis < 3; axis++) m[axis] += weight * (n[axis] * n[axis] + ASIDE);
+    m[3] += weight * n[0] * n[1];
+    m[4] += weight * n[0] * n[2];
+    m[5] += weight * n[1] * n[2];
+  }
+  if (!(sum > 0.0)) return false;
+  for (int k = 0; k < 6; k++) m[k] /= sum; /* keeps their products in range */
+  solve(m, aside, p->l);
+  for (int axis = 0; axis < 3; axis++) p->l[axis] /= sum;
+  return true;
+}
+
+/* Looks at all pairs of the particle; false: it pushes nothing. */
+static bool look_at_pairs(pusher *p, double dt) {
+  const hc_sweep *const sweep = p->sweep;
+  const double of_change = -(double)sweep->rest_density * sweep->volume / dt;
+  const uint32_t *const offset = hc_list_row(sweep->walls, p->i);
+  double sum[3] = {0.0, 0.0, 0.0};
+  bool pushes = false;
+  find_squared(sweep, p->i, p->squared);
+  for (int axis = 0; axis < 3 && p->contact; axis++) sum[axis] = of_change * (double)p->contact[axis];
+  for (int32_t k = 0; k < hc_list_count(sweep->walls, p->i); k++) {
+    const pair pair = make_pair(sweep, p->i, offset[k]);
+    double force[3], aside[3];
+    pair_force(p, &pair, force, aside);
+    p->rubs += p->touch ? hc_wall_layer_share(sweep, pair.d, pair.b) : 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+      sum[axis] += aside[axis];
+      pushes |= force[axis] != 0.0;
+    }
+  }
+  if (sum[0] == 0.0 && sum[1] == 0.0 && sum[2] == 0.0) return pushes || p->touch;
+  if (find_sharing(p, sum)) return true;
+  p->any = true;
+  return find_sharing(p, sum);
+}
+
+/* ---- both together ---- */
+
+double hc_wall_force_later(const hc_sweep *sweep, double dt) {
+  return sweep->contacts ? dt : 0.0;
+}
+
+/* `back`: how long the particle has moved since it was where its record says, s. */
+static void share_out(const pusher *p, const hc_frame *frame, double back, double dt, hc_wall_push_taker take,
+                      void *context) {
+  const hc_sweep *const sweep = p->sweep;
+  const hc_particles *const fluid = sweep->fluid;
+  const uint32_t *const offset = hc_list_row(sweep->walls, p->i);
+  const size_t at = 3 * (size_t)p->i;
+  const double of_rub = p->rubs > 0.0 ? -(double)sweep->rest_density * sweep->volume / dt / p->rubs : 0.0;
+  for (int32_t k = 0; k < hc_list_count(sweep->walls, p->i); k++) {
+    const pair pair = make_pair(sweep, p->i, offset[k]);
+    const float *const n = sweep->boundary->facing[pair.b].v;
+    const double weight = weight_of(p, &pair), push_along = p->any ? 0.0 : along(n, p->l),
+                 rub =
+                     of_rub > 0.0 || of_rub < 0.0 ? of_rub * hc_wall_layer_share(sweep, pair.d, pair.b) : 0.0;
+    hc_wall_push push = {.wall = (int)sweep->boundary->motion[pair.b].scalar};
+    double aside[3];
+    pair_force(p, &pair, push.force, aside);
+    for (int axis = 0; axis < 3; axis++) {
+      push.at[axis] = hc_frame_to_metres(frame, axis, fluid->position[at + (size_t)axis]) -
+                      back * fluid->velocity[at + (size_t)axis] -
+                      pair.d[axis] / sweep->scale[axis] * frame->unit[axis];
+      push.from[axis] = pair.d[axis] / sweep->scale[axis] * frame->unit[axis];
+      if (weight > 0.0) push.force[axis] += weight * ((double)n[axis] * push_along + ASIDE * p->l[axis]);
+      if (rub != 0.0) push.force[axis] += rub * (double)p->touch->rub[axis];
+    }
+    if (push.force[0] != 0.0 || push.force[1] != 0.0 || push.force[2] != 0.0) take(context, &push);
+  }
+}
+
 void hc_wall_force_each(const hc_sweep *sweep, const hc_frame *frame, double dt, hc_wall_push_taker take,
                         void *context) {
-  const hc_particles *fluid = sweep->fluid, *boundary = sweep->boundary;
   const double back = dt - hc_wall_force_later(sweep, dt);
-  const double of_contact = -(double)sweep->rest_density * sweep->volume / dt;
-  size_t next = 0;
-  for (int32_t i = 0; i < fluid->own; i++) {
-    const int32_t count = hc_list_count(sweep->walls, i);
-    const uint32_t *offset = hc_list_row(sweep->walls, i);
-    const float *const change = contact_of(sweep, i, &next);
-    double shares = 0.0;
-    for (int32_t k = 0; change && k < count; k++)
-      shares += share(make_pair(sweep, frame, back, i, (int32_t)(offset[k] / sizeof(hc_record))).q);
-    for (int32_t k = 0; k < count; k++) {
-      const int32_t b = (int32_t)(offset[k] / sizeof(hc_record));
-      const pair pair = make_pair(sweep, frame, back, i, b);
-      hc_wall_push push = {.wall = (int)boundary->motion[b].scalar};
-      memcpy(push.at, pair.at, sizeof push.at);
-      const double pressure = pair.q < 1.0 ? strength(sweep, i, b) * sweep->volume * sweep->gradient : 0.0;
-      const double contact = shares > 0.0 ? of_contact * share(pair.q) / shares : 0.0;
-      if (pressure == 0.0 && contact == 0.0) continue;
-      for (int axis = 0; axis < 3; axis++)
-        push.force[axis] =
-            (pressure != 0.0 ? pressure * hc_kernel_slope_over_q(pair.q) * pair.d[axis] : 0.0) +
-            (contact != 0.0 ? contact * (double)change[axis] : 0.0);
-      take(context, &push);
-    }
+  size_t next_hold = 0, next_touch = 0;
+  for (int32_t i = 0; i < sweep->fluid->own; i++) {
+    if (hc_list_count(sweep->walls, i) == 0) continue;
+    pusher p = {.sweep = sweep,
+                .i = i,
+                .contact = contact_of(sweep, i, &next_hold),
+                .touch = touch_of(sweep, i, &next_touch)};
+    if (look_at_pairs(&p, dt)) share_out(&p, frame, back, dt, take, context);
   }
 }

@@ -11,6 +11,7 @@ typedef struct hc_wall_push {
   int wall;        /* its number in the scene */
   double force[3]; /* N */
   double at[3];    /* of the sample, m, scene coordinates, through the particle's periodic image */
+  double from[3];  /* from there to the particle, m */
 } hc_wall_push;
 
 /* How long after the beginning of a step of dt its pushes are where they are, s: 0, or dt where walls are

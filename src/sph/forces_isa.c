@@ -99,8 +99,8 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
   expect_walls(sweep);
   const hc_float volume = hc_set(sweep->volume);
   const bool frozen = walls_are == NO_SLIP && sweep->walls_add == HC_WALLS_PRESSURE; /* volumes of fluid */
-  const bool walls_take_part =
-      walls_are != NO_WALLS && (sweep->walls_add == HC_WALLS_MIRRORED || frozen); /* else no volumes */
+  const bool walls_take_part = walls_are != NO_WALLS && (walls_are != NO_SLIP || sweep->no_slip) &&
+                               (sweep->walls_add == HC_WALLS_MIRRORED || frozen); /* else no volumes */
   if (walls_take_part && !frozen) EXPECT_FIELD(fluid, wall_gradient);
   if (frozen) EXPECT_FIELD(sweep->boundary, facing);
   block_vectors changes;

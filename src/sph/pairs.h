@@ -177,36 +177,150 @@ HC_INLINE void add_up_vectors(block_vectors *block, int32_t count) {
   add_up(&block->z, count);
 }
 
-/* Sums over boundary neighbours of a block: V_b W and V_b grad W without their constants. */
-HC_INLINE void sum_walls(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
-                         block_sums *densities, block_vectors *gradients) {
-  if (hc_list_empty(sweep->walls, first, first + count)) { /* far from any wall */
-    memset(densities->total, 0, sizeof densities->total);
-    memset(gradients->x.total, 0, sizeof gradients->x.total);
-    memset(gradients->y.total, 0, sizeof gradients->y.total);
-    memset(gradients->z.total, 0, sizeof gradients->z.total);
-    return;
-  }
+/* What walls add to the densities of a block, and what that is made of. */
+typedef struct block_walls {
+  float density[BLOCK];     /* D_w */
+  float gradient[3][BLOCK]; /* grad D_w */
+  float rate[BLOCK];        /* what of dD_w/dt their motion takes away, where they move */
+} block_walls;
+
+/* Sums over boundary neighbours of a block: V_b W, V_b grad W, and V_b v_b . grad W. */
+HC_INLINE void sum_plain_walls(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
+                               bool densities_alone, block_walls *walls) {
+  block_sums densities, rates;
+  block_vectors gradients;
+  const bool move = sweep->walls_move && !densities_alone;
   for (int32_t k = 0; k < count; k++) {
     const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, first + k)]);
     const row row = row_of(sweep->walls, first + k);
-    sums density = {{{0}}};
+    sums density = {{{0}}}, rate = {{{0}}};
     vector_sums gradient = no_sums();
     for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
       for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
         const int32_t at = pass + part * HC_GROUP;
         const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
         const hc_float volume = hc_keep(p.scalar, row.count - at);
-        const vector d = direction(&p);
         density.part[part] = hc_fma(kernel(p.q), volume, density.part[part]);
-        add_scaled(&gradient, part, volume * slope_over_q(p.q), &d);
+        if (densities_alone) continue;
+        const vector d = direction(&p);
+        const hc_float slope = volume * slope_over_q(p.q);
+        add_scaled(&gradient, part, slope, &d);
+        if (!move) continue;
+        hc_float unused;
+        const vector velocity = load_velocity(sweep->boundary->motion, row.offset + at, &unused);
+        rate.part[part] = hc_fma(slope, dot_pair(&velocity, &p), rate.part[part]);
       }
     }
-    hc_store_lanes(density.part, densities->lanes[k]);
-    store_vector(gradients, k, &gradient);
+    hc_store_lanes(density.part, densities.lanes[k]);
+    hc_store_lanes(rate.part, rates.lanes[k]);
+    store_vector(&gradients, k, &gradient);
   }
-  add_up(densities, count);
-  add_up_vectors(gradients, count);
+  add_up(&densities, count);
+  for (int32_t k = 0; k < count; k++) walls->density[k] = sweep->kernel * densities.total[k];
+  if (densities_alone) return;
+  add_up_vectors(&gradients, count);
+  if (move) add_up(&rates, count);
+  for (int32_t k = 0; k < count; k++) {
+    walls->gradient[0][k] = sweep->gradient * gradients.x.total[k];
+    walls->gradient[1][k] = sweep->gradient * gradients.y.total[k];
+    walls->gradient[2][k] = sweep->gradient * gradients.z.total[k];
+    walls->rate[k] = move ? sweep->gradient * rates.total[k] : 0.0f;
+  }
+}
+
+/* The same where the density goes with the square: with N = sum V_b W n_b, n_b the normals times their
+ * weights (facing and its scalar), and the share D_0 of a flat wall a spacing away, D_w = N.N/D_0, so that
+ * grad D_w = 2/D_0 sum V_b (n_b.N) grad W. Samples of walls too thin for normals (scalar 0) count by their
+ * volumes as above. */
+HC_INLINE void sum_squared_walls(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
+                                 bool densities_alone, block_walls *walls) {
+  block_sums plain, plain_rates;
+  block_vectors normals, plain_gradients, gradients[3], rates;
+  const bool move = sweep->walls_move && !densities_alone;
+  for (int32_t k = 0; k < count; k++) {
+    const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, first + k)]);
+    const row row = row_of(sweep->walls, first + k);
+    sums density = {{{0}}}, plain_rate = {{{0}}};
+    vector_sums normal = no_sums(), plain_gradient = no_sums(), rate = no_sums(),
+                gradient[3] = {no_sums(), no_sums(), no_sums()};
+    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+        const int32_t at = pass + part * HC_GROUP;
+        const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
+        const hc_float all = hc_keep(p.scalar, row.count - at);
+        hc_float faces, unused;
+        const vector n = load_velocity(sweep->boundary->facing, row.offset + at, &faces);
+        const hc_float volume = all * faces, shape = kernel(p.q);
+        const hc_float of_thin = (hc_float)((hc_int)all & (faces == hc_set(0.0f)));
+        add_scaled(&normal, part, volume * shape, &n);
+        density.part[part] = hc_fma(of_thin, shape, density.part[part]);
+        if (densities_alone) continue;
+        const vector d = direction(&p);
+        const hc_float slope = slope_over_q(p.q);
+        add_scaled(&gradient[0], part, volume * slope * p.x, &n);
+        add_scaled(&gradient[1], part, volume * slope * p.y, &n);
+        add_scaled(&gradient[2], part, volume * slope * p.z, &n);
+        add_scaled(&plain_gradient, part, of_thin * slope, &d);
+        if (!move) continue;
+        const vector velocity = load_velocity(sweep->boundary->motion, row.offset + at, &unused);
+        const hc_float along = slope * dot_pair(&velocity, &p);
+        add_scaled(&rate, part, volume * along, &n);
+        plain_rate.part[part] = hc_fma(of_thin, along, plain_rate.part[part]);
+      }
+    }
+    hc_store_lanes(density.part, plain.lanes[k]);
+    hc_store_lanes(plain_rate.part, plain_rates.lanes[k]);
+    store_vector(&normals, k, &normal);
+    store_vector(&plain_gradients, k, &plain_gradient);
+    for (int axis = 0; axis < 3; axis++) store_vector(&gradients[axis], k, &gradient[axis]);
+    store_vector(&rates, k, &rate);
+  }
+  const float square = sweep->kernel * sweep->kernel / sweep->flat_wall,
+              twice = 2.0f * sweep->kernel * sweep->gradient / sweep->flat_wall;
+  add_up(&plain, count);
+  add_up_vectors(&normals, count);
+  for (int32_t k = 0; k < count; k++) {
+    const float x = normals.x.total[k], y = normals.y.total[k], z = normals.z.total[k];
+    walls->density[k] = square * (x * x + y * y + z * z) + sweep->kernel * plain.total[k];
+  }
+  if (densities_alone) return;
+  add_up_vectors(&plain_gradients, count);
+  for (int axis = 0; axis < 3; axis++) {
+    const float *const of_thin = axis == 0   ? plain_gradients.x.total
+                                 : axis == 1 ? plain_gradients.y.total
+                                             : plain_gradients.z.total;
+    add_up_vectors(&gradients[axis], count);
+    for (int32_t k = 0; k < count; k++)
+      walls->gradient[axis][k] = twice * (gradients[axis].x.total[k] * normals.x.total[k] +
+                                          gradients[axis].y.total[k] * normals.y.total[k] +
+                                          gradients[axis].z.total[k] * normals.z.total[k]) +
+                                 sweep->gradient * of_thin[k];
+  }
+  if (move) add_up_vectors(&rates, count);
+  if (move) add_up(&plain_rates, count);
+  for (int32_t k = 0; k < count; k++)
+    walls->rate[k] =
+        move ? twice * (rates.x.total[k] * normals.x.total[k] + rates.y.total[k] * normals.y.total[k] +
+                        rates.z.total[k] * normals.z.total[k]) +
+                   sweep->gradient * plain_rates.total[k]
+             : 0.0f;
+}
+
+/* Walls with volumes, by the sweep's rule; `densities_alone`: nothing else. */
+HC_INLINE void sum_walls(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
+                         bool densities_alone, block_walls *walls) {
+  if (hc_list_empty(sweep->walls, first, first + count)) { /* far from any wall */
+    memset(walls, 0, sizeof *walls);
+    return;
+  }
+  if (sweep->flat_wall > 0.0f && densities_alone)
+    sum_squared_walls(sweep, selection, first, count, true, walls);
+  else if (sweep->flat_wall > 0.0f)
+    sum_squared_walls(sweep, selection, first, count, false, walls);
+  else if (densities_alone)
+    sum_plain_walls(sweep, selection, first, count, true, walls);
+  else
+    sum_plain_walls(sweep, selection, first, count, false, walls);
 }
 
 /* Sums W over the neighbours of targets [first, first + count), or W times the scalar of `weights`, records

@@ -81,15 +81,15 @@ static float density_at(const float *weights, float distance) {
 HC_INLINE void sum_wall_densities(const hc_sweep *sweep, const hc_prediction *prediction,
                                   hc_selection selection, int32_t first, int32_t count, float share[BLOCK]) {
   block_sums sums;
-  block_vectors gradients;
+  block_walls walls;
   block_planes planes;
   switch (sweep->walls_add) {
   case HC_WALLS_NOTHING:
     memset(share, 0, (size_t)count * sizeof *share);
     break;
   case HC_WALLS_MIRRORED:
-    sum_walls(sweep, selection, first, count, &sums, &gradients);
-    for (int32_t k = 0; k < count; k++) share[k] = sweep->kernel * sums.total[k];
+    sum_walls(sweep, selection, first, count, true, &walls);
+    memcpy(share, walls.density, (size_t)count * sizeof *share);
     break;
   case HC_WALLS_PRESSURE:
     sum_wall_kernels(sweep, selection, first, count, &sums);

@@ -37,6 +37,31 @@ typedef struct hc_holds {
   size_t count, room;
 } hc_holds;
 
+/* What holds the fluid back that goes along a wall, see solver/wall_layer.h. */
+typedef enum hc_friction_law {
+  HC_FRICTION_NONE,
+  HC_FRICTION_NO_SLIP,
+  HC_FRICTION_SMOOTH,
+  HC_FRICTION_ROUGH
+} hc_friction_law;
+
+typedef struct hc_wall_friction {
+  hc_friction_law law;
+  double roughness; /* m: k_s of a rough wall */
+} hc_wall_friction;
+
+/* What walls did to a particle next to them: its change of velocity by friction, m/s, and the body force,
+ * m/s2, by which pressure gained behind the wetted surface. A list by ascending particle. */
+typedef struct hc_touch {
+  int32_t particle;
+  float rub[3], depth[3];
+} hc_touch;
+
+typedef struct hc_touches {
+  hc_touch *at;
+  size_t count, room;
+} hc_touches;
+
 /* What all sweeps of a step read. */
 typedef struct hc_sweep {
   float scale[3];     /* 1 / support radius of one unit along each axis */
@@ -48,14 +73,19 @@ typedef struct hc_sweep {
   float wall_offset;  /* of boundary samples behind the wetted surface, in support radii */
   float reach;        /* m: nearer to a sample a particle is in contact, where walls are rigid */
   hc_wall_rule walls_add;
+  float flat_wall; /* MIRRORED: the density share of a flat wall a spacing away, where it goes with the
+                      square; 0: where it is the sum */
   hc_particles *fluid;
-  hc_particles *boundary;    /* walls that stand still; behind their records those of moving ones.
-                                place.scalar is V_b, or what the boundary method makes of it; motion the velocity
-                                and the wall's number */
-  const hc_neighbors *list;  /* fluid -> fluid */
-  const hc_neighbors *walls; /* fluid -> boundary, all of it */
-  bool walls_move;           /* has any boundary particle a velocity? */
-  hc_holds *holds;           /* of the last step, where walls hold so (MIRRORED); may be null */
+  hc_particles *boundary;           /* walls that stand still; behind their records those of moving ones.
+                                       place.scalar is V_b, or what the boundary method makes of it; motion the velocity
+                                       and the wall's number */
+  const hc_neighbors *list;         /* fluid -> fluid */
+  const hc_neighbors *walls;        /* fluid -> boundary, all of it */
+  bool walls_move;                  /* has any boundary particle a velocity? */
+  bool no_slip;                     /* do walls hold the fluid in laminar sweeps? */
+  const hc_wall_friction *friction; /* of each wall, by its number; null: no wall has any */
+  const hc_touches *touches;        /* of the last step; may be null */
+  hc_holds *holds;                  /* of the last step, where walls hold so (MIRRORED); may be null */
   const hc_record *contacts; /* v: change of velocity by contact in the last step, m/s; null where walls are
                                 not  rigid */
 } hc_sweep;

@@ -3,30 +3,6 @@
 #include "error_rule.h"
 #include "pairs.h"
 
-/* Sums over boundary neighbours of a block: V_b v_b . grad W without its constant. */
-HC_INLINE void sum_wall_rates(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
-                              block_sums *rates) {
-  memset(rates->total, 0, sizeof rates->total);
-  if (!sweep->walls_move || hc_list_empty(sweep->walls, first, first + count)) return;
-  for (int32_t k = 0; k < count; k++) {
-    const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, first + k)]);
-    const row row = row_of(sweep->walls, first + k);
-    sums rate = {{{0}}};
-    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
-      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
-        const int32_t at = pass + part * HC_GROUP;
-        const pair p = load_pair(&own, sweep->boundary->place, row.offset + at);
-        hc_float unused;
-        const vector velocity = load_velocity(sweep->boundary->motion, row.offset + at, &unused);
-        const hc_float volume = hc_keep(p.scalar, row.count - at);
-        rate.part[part] = hc_fma(volume * slope_over_q(p.q), dot_pair(&velocity, &p), rate.part[part]);
-      }
-    }
-    hc_store_lanes(rate.part, rates->lanes[k]);
-  }
-  add_up(rates, count);
-}
-
 /* What walls add to. */
 static void expect_wall_fields(const hc_sweep *sweep) {
   EXPECT_FIELD(sweep->fluid, wall_gradient);
@@ -42,8 +18,9 @@ static void density(const hc_sweep *sweep, hc_selection selection) {
   EXPECT_FIELD(fluid, alpha);
   const float smallest = 1e-5f / (sweep->support * sweep->support);
   const float weight = sweep->volume * sweep->gradient;
-  block_sums densities, squares, rates, wall_densities, wall_rates;
-  block_vectors gradients, wall_gradients;
+  block_sums densities, squares, rates;
+  block_vectors gradients;
+  block_walls walls;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
     for (int32_t k = 0; k < count; k++) {
@@ -72,24 +49,21 @@ static void density(const hc_sweep *sweep, hc_selection selection) {
       hc_store_lanes(rate.part, rates.lanes[k]);
       store_vector(&gradients, k, &gradient);
     }
-    sum_walls(sweep, selection, first, count, &wall_densities, &wall_gradients);
-    sum_wall_rates(sweep, selection, first, count, &wall_rates);
+    sum_walls(sweep, selection, first, count, false, &walls);
     add_up(&densities, count);
     add_up(&squares, count);
     add_up(&rates, count);
     add_up_vectors(&gradients, count);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = hc_selected(selection, first + k);
-      const float wall[3] = {sweep->gradient * wall_gradients.x.total[k],
-                             sweep->gradient * wall_gradients.y.total[k],
-                             sweep->gradient * wall_gradients.z.total[k]};
-      const float of_walls = sweep->kernel * wall_densities.total[k];
+      const float wall[3] = {walls.gradient[0][k], walls.gradient[1][k], walls.gradient[2][k]};
+      const float of_walls = walls.density[k];
       const float relative = sweep->kernel * sweep->volume * (1.0f + densities.total[k]) + of_walls;
       const float x = weight * gradients.x.total[k] + wall[0], y = weight * gradients.y.total[k] + wall[1],
                   z = weight * gradients.z.total[k] + wall[2];
       const float denominator = x * x + y * y + z * z + weight * weight * squares.total[k];
       const float *v = fluid->motion[i].v;
-      const float wall_rate = sweep->gradient * wall_rates.total[k];
+      const float wall_rate = walls.rate[k];
       if (fluid->wall_rate) fluid->wall_rate[i] = wall_rate;
       fluid->place[i].scalar =
           weight * rates.total[k] + (v[0] * wall[0] + v[1] * wall[1] + v[2] * wall[2] - wall_rate);
@@ -105,25 +79,19 @@ static void density(const hc_sweep *sweep, hc_selection selection) {
 static void wall_sums(const hc_sweep *sweep, hc_selection selection) {
   expect_walls(sweep);
   expect_wall_fields(sweep);
-  block_sums densities, rates;
-  block_vectors gradients;
+  block_walls walls;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
-    sum_walls(sweep, selection, first, count, &densities, &gradients);
-    sum_wall_rates(sweep, selection, first, count, &rates);
+    sum_walls(sweep, selection, first, count, false, &walls);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = hc_selected(selection, first + k);
-      float *gradient = &sweep->fluid->wall_gradient[3 * (size_t)i];
-      gradient[0] = sweep->gradient * gradients.x.total[k];
-      gradient[1] = sweep->gradient * gradients.y.total[k];
-      gradient[2] = sweep->gradient * gradients.z.total[k];
-      sweep->fluid->wall_density[i] = sweep->kernel * densities.total[k];
-      if (sweep->fluid->wall_rate) sweep->fluid->wall_rate[i] = sweep->gradient * rates.total[k];
+      for (int axis = 0; axis < 3; axis++)
+        sweep->fluid->wall_gradient[3 * (size_t)i + axis] = walls.gradient[axis][k];
+      sweep->fluid->wall_density[i] = walls.density[k];
+      if (sweep->fluid->wall_rate) sweep->fluid->wall_rate[i] = walls.rate[k];
     }
   }
 }
-
-/* ---- the pressure solvers' two sweeps ---- */
 
 static void error(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
                   hc_error_total *total) {

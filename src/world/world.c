@@ -42,11 +42,15 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
       hc_sweep_make(&world->frame, settings->mass / settings->rest_density, settings->rest_density);
   world->sweep.reach = 2.0f * world->sweep.wall_offset * world->sweep.support; /* a spacing */
   world->sweep.walls_add = settings->boundary_ops->walls;
+  world->sweep.flat_wall = (float)settings->flat_wall;
   world->sweep.fluid = world->fluid;
   world->sweep.boundary = world->boundary;
   world->sweep.list = &world->list;
   world->sweep.walls = &world->walls;
   world->sweep.holds = &world->holds;
+  world->sweep.touches = &world->touches;
+  world->sweep.friction = world->friction = settings->friction;
+  world->sweep.no_slip = settings->no_slip;
 }
 
 void hc_world_free(hc_world *world) {
@@ -61,6 +65,8 @@ void hc_world_free(hc_world *world) {
   hc_neighbors_free(&world->walls);
   hc_free(world->contacts);
   hc_free(world->holds.at);
+  hc_free(world->touches.at);
+  hc_free(world->friction);
   hc_neighbor_search_free(&world->search);
   hc_domain_free(&world->domain);
 }
@@ -90,7 +96,7 @@ static void pack_boundary(hc_particles *boundary) {
     if (boundary->wall_velocity) memcpy(motion->v, &boundary->wall_velocity[at], sizeof motion->v);
     if (!boundary->facing) continue;
     memcpy(boundary->facing[k].v, &boundary->normal[at], sizeof boundary->facing[k].v);
-    boundary->facing[k].scalar = 0.0f;
+    boundary->facing[k].scalar = boundary->faces ? boundary->faces[k] : 0.0f;
   }
 }
 
@@ -139,7 +145,7 @@ static void measure_boundary(hc_world *world, hc_store_id id) {
   if (id == HC_STORE_MOVING) keep_own_wall(walls, &list);
   world->boundary_ops->prepare(world->sweeps, &world->sweep, walls, &list, world->volume_factor);
   hc_neighbors_free(&list);
-  hc_halo_refresh(&store->halo, HC_SCALAR(place));
+  hc_halo_refresh(&store->halo, HC_SCALAR(place) | (walls->facing ? HC_WHOLE(facing) : 0));
 }
 
 void hc_world_rebalance(hc_world *world, hc_divider divider, double busy) {

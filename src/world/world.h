@@ -35,6 +35,8 @@ typedef struct hc_world {
   hc_record *contacts;      /* see hc_collision; room for contact_room, and as many velocities of walls */
   size_t contact_room;
   hc_holds holds;
+  hc_touches touches;
+  hc_wall_friction *friction; /* see hc_sweep; owned */
   const hc_sweeps *sweeps;
   hc_sweep sweep;
   const hc_boundary_ops *boundary_ops;
@@ -52,6 +54,9 @@ typedef struct hc_world_settings {
   double rest_density, mass;           /* kg/m3, kg */
   double volume_factor, contact_limit; /* see boundary.h; limit 0: no contact */
   double start_limit;                  /* the most wall density that fluid may start with */
+  double flat_wall;                    /* see hc_sweep; 0: wall densities are sums */
+  hc_wall_friction *friction;          /* of each wall, from hc_alloc: the world frees it; null: none */
+  bool no_slip;                        /* see hc_sweep */
   const hc_boundary_ops *boundary_ops;
   unsigned features; /* HC_FOR_*: of solver, boundary method and movers together */
   hc_isa isa;        /* the same on every rank */

@@ -50,6 +50,7 @@ static inline void setting_init(setting *s, double stretch_y) {
   hc_neighbors_init(&s->boundary_list);
   s->sweep = hc_sweep_make(&s->frame, VOLUME, REST_DENSITY);
   s->sweep.walls_add = HC_WALLS_MIRRORED;
+  s->sweep.no_slip = true;
   s->sweep.fluid = &s->fluid;
   s->sweep.boundary = &s->boundary;
   s->sweep.list = &s->list;

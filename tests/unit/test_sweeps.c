@@ -583,11 +583,71 @@ START_TEST(boundary_volumes_agree_with_plain_sums) {
 }
 END_TEST
 
+/* Normals, weights of edges, and thin walls here and there. */
+static void face_walls(setting *s) {
+  for (int32_t b = 0; b < s->boundary.own; b++) {
+    const uint64_t id = s->boundary.id[b];
+    const double n[3] = {random_number(31 * id), random_number(31 * id + 1), 1.5};
+    const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int axis = 0; axis < 3; axis++) s->boundary.facing[b].v[axis] = (float)(n[axis] / length);
+    s->boundary.facing[b].scalar = id % 5 == 0 ? 0.0f : id % 3 == 0 ? 1.19f : 1.0f;
+  }
+}
+
+/* What squared walls add to the density of particle i, shifted by `shift`, the walls having moved for `time`.
+ */
+static double squared_density(const setting *s, int32_t i, const double shift[3], double time) {
+  double normal[3] = {0, 0, 0}, thin = 0;
+  for (int32_t b = 0; b < s->boundary.own; b++) {
+    const uint64_t id = s->boundary.id[b];
+    vec x = separation(s, &s->fluid, i, &s->boundary, b);
+    for (int axis = 0; axis < 3; axis++) x.x[axis] += shift[axis] - time * wall_velocity_of(id, axis);
+    const double share = boundary_volume_of(id) * kernel(norm(x));
+    const hc_record *const facing = &s->boundary.facing[b];
+    if (facing->scalar == 0.0f) thin += share;
+    for (int axis = 0; axis < 3; axis++)
+      normal[axis] += (double)facing->scalar * share * (double)facing->v[axis];
+  }
+  return (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) /
+             (double)s->sweep.flat_wall +
+         thin;
+}
+
+START_TEST(squared_walls_have_the_gradient_of_their_density) {
+  setting s;
+  make_cloud(&s, 500, 200);
+  s.sweep.flat_wall = 0.15f;
+  s.sweep.walls_move = true;
+  for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+    set_values(&s);
+    face_walls(&s);
+    hc_sweeps_of((hc_isa)isa)->wall_sums(&s.sweep, hc_select_all(&s.fluid));
+    int walled = 0;
+    for (int32_t i = 0; i < s.fluid.own; i++) {
+      const double none[3] = {0, 0, 0}, density = squared_density(&s, i, none, 0), step = 1e-4 * H;
+      ck_assert(fabs(s.fluid.wall_density[i] - density) <= 1e-5 * (1 + density));
+      for (int axis = 0; axis < 3; axis++) {
+        const double up[3] = {axis == 0 ? step : 0, axis == 1 ? step : 0, axis == 2 ? step : 0},
+                     down[3] = {-up[0], -up[1], -up[2]};
+        const double slope = (squared_density(&s, i, up, 0) - squared_density(&s, i, down, 0)) / (2 * step);
+        ck_assert(fabs(s.fluid.wall_gradient[3 * i + axis] - slope) <= 1e-4 * (1 + density) / H);
+      }
+      const double rate = -(squared_density(&s, i, none, 1e-6) - squared_density(&s, i, none, -1e-6)) / 2e-6;
+      ck_assert(fabs(s.fluid.wall_rate[i] - rate) <= 1e-4 * (1 + density) / H);
+      walled += density > 0.01;
+    }
+    ck_assert_int_gt(walled, 50);
+  }
+  setting_free(&s);
+}
+END_TEST
+
 int main(void) {
   Suite *const suite = suite_create("sweeps");
   TCase *const cases = tcase_create("pairs");
   tcase_set_timeout(cases, 60);
   tcase_add_test(cases, sweeps_agree_with_plain_sums);
+  tcase_add_test(cases, squared_walls_have_the_gradient_of_their_density);
   tcase_add_test(cases, ranges_make_no_difference);
   tcase_add_test(cases, vector_lengths_give_the_same_bits);
   tcase_add_test(cases, pair_forces_conserve_momentum);
