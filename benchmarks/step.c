@@ -41,7 +41,11 @@ static hc_scene make_scene(double spacing, hc_block *block, hc_wall *wall) {
   scene.fluid.block_count = 1;
   scene.boundary.walls = wall;
   scene.boundary.wall_count = 1;
-  scene.boundary.contact = true;
+  scene.boundary.contact = scene.boundary.depth_pressure = true;
+  scene.boundary.wall_density = HC_WALL_DENSITY_SQUARED;
+  wall->friction_law = HC_SCENE_FRICTION_SMOOTH;
+  scene.fluid.kinematic_viscosity = 1e-6;
+  scene.solver.gap_rule = true;
   scene.solver.density_error_avg = 1e-3;
   scene.solver.divergence_error = 1e-3;
   scene.solver.density_iterations = (hc_iterations){2, 100};
@@ -72,6 +76,8 @@ static bool use_pcisph(hc_scene *scene, const char *name) {
   scene->solver.density_error_avg = 0.01;
   scene->solver.density_iterations = (hc_iterations){3, 3};
   scene->boundary.friction = 1.0;
+  scene->boundary.wall_density = HC_WALL_DENSITY_SUM;
+  scene->solver.release_steps = 100;
   scene->time_step.control = HC_TIME_CONSTANT;
   scene->time_step.size = scene->time_step.max = 0.05 * scene->particle_spacing;
   for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {

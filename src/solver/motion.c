@@ -143,19 +143,27 @@ static double central_work(const hc_world *world, const hc_solver_settings *sett
          (arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2]);
 }
 
-/* Averages what the pressure bears of a particle's weight, from its acceleration in a step of dt. */
-static void note_borne(const hc_world *world, const hc_solver_settings *settings, double dt, int32_t i) {
-  double g[3], square = 0.0, along = 0.0;
-  hc_body_force(world, settings, i, g);
-  for (int axis = 0; axis < 3; axis++) {
-    square += g[axis] * g[axis];
-    along += (g[axis] - (double)world->fluid->acceleration[3 * (size_t)i + (size_t)axis]) * g[axis];
-  }
-  if (!(square > 0.0)) return;
-  const double over = sqrt(world->frame.support_radius / sqrt(square)),
-               now = fmin(2.0, fmax(-1.0, along / square));
-  float *const borne = &world->fluid->borne[i];
-  *borne += (float)(dt / (dt + over) * (now - (double)*borne));
+/* What of particles' weight the pressure bears is averaged by this. */
+typedef struct bearing {
+  double g[3], per_square; /* 1/g^2 */
+  double share;            /* of a step in the average */
+} bearing;
+
+static bearing bearing_of(const hc_world *world, const hc_solver_settings *settings, double dt, int32_t i) {
+  bearing bearing;
+  hc_body_force(world, settings, i, bearing.g);
+  const double *const g = bearing.g, square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+  bearing.per_square = square > 0.0 ? 1.0 / square : 0.0;
+  bearing.share = square > 0.0 ? dt / (dt + sqrt(world->frame.support_radius / sqrt(square))) : 0.0;
+  return bearing;
+}
+
+/* Notes (g - a).g/g^2 of a step. */
+static void note_borne(const bearing *bearing, const float acceleration[3], float *borne) {
+  double fall = 0.0;
+  for (int axis = 0; axis < 3; axis++) fall += (double)acceleration[axis] * bearing->g[axis];
+  const double now = fmin(2.0, fmax(-1.0, 1.0 - fall * bearing->per_square));
+  *borne += (float)(bearing->share * (now - (double)*borne));
 }
 
 static void move_all(hc_world *world, const hc_solver_settings *settings, double dt, hc_move_to to,
@@ -165,6 +173,8 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
   const double rate = 1.0 / dt;
   double units_per_speed[3];
   for (int axis = 0; axis < 3; axis++) units_per_speed[axis] = dt / frame->unit[axis];
+  bearing bearing = {.per_square = 0.0};
+  if (fluid->own > 0) bearing = bearing_of(world, settings, dt, 0); /* all alike without a central force */
   for (int32_t k = 0; k < fluid->own; k++) {
     int64_t *position = &fluid->position[3 * (size_t)k];
     const double *velocity = &fluid->velocity[3 * (size_t)k];
@@ -183,7 +193,8 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
       work += settings->gravity[axis] * hc_frame_to_metres(frame, axis, position[axis]);
     }
     work += central_work(world, settings, k);
-    if (fluid->borne) note_borne(world, settings, dt, k);
+    if (settings->central_rate != 0.0) bearing = bearing_of(world, settings, dt, k);
+    if (fluid->borne) note_borne(&bearing, acceleration, &fluid->borne[k]);
     hc_sum_add(&moved->energy[0], v2);
     hc_sum_add(&moved->energy[1], work);
     if (v2 > moved->v2_max) moved->v2_max = v2;

@@ -47,9 +47,16 @@ static double height_over(const hc_sweep *sweep, const double d[3], int32_t b) {
   return d[0] * (double)n[0] + d[1] * (double)n[1] + d[2] * (double)n[2];
 }
 
+/* W without its constant, of q < 1. */
+static double shape(double q) {
+  const double outer = 1.0 - q, inner = q < 0.5 ? 0.5 - q : 0.0;
+  return 2.0 * outer * outer * outer - 8.0 * inner * inner * inner;
+}
+
 double hc_wall_layer_share(const hc_sweep *sweep, const double d[3], int32_t b) {
   if (!sweep->friction || friction_of(sweep, b)->law == HC_FRICTION_NONE) return 0.0;
-  return height_over(sweep, d, b) > 0.0 ? hc_kernel_shape(sqrt(dot(d, d))) : 0.0;
+  const double square = dot(d, d);
+  return square < 1.0 && height_over(sweep, d, b) > 0.0 ? shape(sqrt(square)) : 0.0;
 }
 
 /* Adds up the samples around; `g`: what of the body force acts, null: nothing. */
@@ -60,21 +67,24 @@ static void look_around(layer *l, const double *g) {
   for (int32_t k = 0; k < hc_list_count(sweep->walls, l->i); k++) {
     double d[3];
     const int32_t b = separation(sweep, l->i, &row[k], d);
-    const double q = sqrt(dot(d, d));
-    if (q >= 1.0) continue;
+    const double square = dot(d, d);
+    if (square >= 1.0) continue;
+    const double q = sqrt(square);
     const double slope = hc_kernel_slope_over_q(q);
     if (g) {
       const double factor = -(double)sweep->boundary->place[b].scalar * per_volume * dot(g, d) * slope;
       for (int axis = 0; axis < 3; axis++) l->depth[axis] += factor * d[axis];
     }
-    const double weight = hc_wall_layer_share(sweep, d, b);
-    if (weight == 0.0) continue;
+    const double height = height_over(sweep, d, b);
+    if (!sweep->friction || height <= 0.0) continue;
     const hc_wall_friction *const friction = friction_of(sweep, b);
+    if (friction->law == HC_FRICTION_NONE) continue;
+    const double weight = shape(q);
     l->mixed |=
         l->friction && (l->friction->law != friction->law || l->friction->roughness != friction->roughness);
     if (!l->friction) l->friction = friction;
     l->weight += weight;
-    l->height += weight * height_over(sweep, d, b);
+    l->height += weight * height;
     for (int axis = 0; axis < 3; axis++) {
       l->normal[axis] += weight * (double)sweep->boundary->facing[b].v[axis];
       l->velocity[axis] += weight * (double)sweep->boundary->motion[b].v[axis];
