@@ -275,6 +275,51 @@ def dam_break(case, steps):
             f"{energy[0]:.0f} J to {energy[-1]:.0f} J, iteration caps in {caps} of {len(rows)} steps")
 
 
+# A box of six spacings an edge in a tank of still water, 15 spacings deep, on the floor or four above it.
+BOX = """
+name: box
+particle_spacing: 0.05
+end_time: 2
+fluid: {{disorder: 0.1, seed: 1, settle_steps: 50, blocks: [{blocks}]}}
+boundary:
+  walls:
+    - {{name: tank, box: {{min: [0, 0, 0], max: [0.9, 0.9, 0.95]}}, open: [+z]}}
+    - {{name: box, box: {{min: [0.3, 0.3, {foot}], max: [0.6, 0.6, {top}]}}, inside: solid}}
+output:
+  snapshots: {{every: 0}}
+  gauges:
+    - {{name: box, type: force, wall: box}}
+    - {{name: tank, type: force, wall: tank}}
+    - {{name: edge, type: pressure, wall: box, axis: -z, at: [0.45, 0.335, {top}]}}
+"""
+
+
+def boxes(case, _steps):
+    """Still water on a box: its force on the floor and above it, the pressure near an edge, and the weight of all."""
+    told = []
+    for name, foot in (("floor", 0.0), ("above", 0.2)):
+        top = foot + 0.3
+        around = [(0, 0.3, 0, 0.9, foot, top), (0.6, 0.9, 0, 0.9, foot, top), (0.3, 0.6, 0, 0.3, foot, top),
+                  (0.3, 0.6, 0.6, 0.9, foot, top), (0, 0.9, 0, 0.9, top, 0.75), (0, 0.9, 0, 0.9, 0, foot)]
+        blocks = ", ".join(f"{{box: {{min: [{a}, {c_}, {e:.2f}], max: [{b}, {d}, {f:.2f}]}}}}"
+                           for a, b, c_, d, e, f in around if f > e)
+        scene = case.folder / f"{name}.yaml"
+        scene.write_text(BOX.format(blocks=blocks, foot=foot, top=round(top, 2)), encoding="utf-8")
+        output = case.run(scene, name, 2, ())
+        with open(output / "gauges.csv", newline="", encoding="utf-8") as file:
+            rows = [row for row in csv.DictReader(file) if float(row["time"]) > 1]
+        mean = {key: sum(float(row[key]) for row in rows) / len(rows) for key in rows[0]}
+        weight = 1000 * 9.81 * (0.9 * 0.9 * 0.75 - 0.3**3)
+        exact = 1000 * 9.81 * (0.3**3 if foot > 0 else -0.45 * 0.3**2)
+        force = mean["box_fz"] / exact - 1
+        edge = mean["edge"] / (1000 * 9.81 * (0.75 - top)) - 1
+        whole = -(mean["box_fz"] + mean["tank_fz"]) / weight - 1
+        found = f"{name}: force {100 * force:+.1f} %, near an edge {100 * edge:+.1f} %, all {100 * whole:+.2f} %"
+        c.expect(abs(force) < (0.05 if foot > 0 else 0.07) and abs(edge) < 0.1 and abs(whole) < 2e-3, found)
+        told.append(found)
+    return "; ".join(told)
+
+
 def swelling(case, _steps):
     """Water that has splashed for two seconds comes together again, as it does not with the printed divergence solve."""
     deep = {}
@@ -298,4 +343,4 @@ if __name__ == "__main__":
                      "hydrostatic_walled": hydrostatic_walled,
                      "hydrostatic_pcisph": hydrostatic_pcisph, "corner_pcisph": corner_pcisph, "taylor_green": taylor_green, "drops": drops, "channel": channel, "gauges": gauges,
                      "round_tank": round_tank,
-                     "dam_break": dam_break, "swelling": swelling})
+                     "dam_break": dam_break, "boxes": boxes, "swelling": swelling})
