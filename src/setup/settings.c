@@ -1,7 +1,6 @@
 #include "settings.h"
 
 #include "base/memory.h"
-
 #include "setup/fluid.h"
 #include "setup/rest_lattice.h"
 #include "setup/solvers.h"

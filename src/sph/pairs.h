@@ -233,10 +233,10 @@ HC_INLINE void sum_plain_walls(const hc_sweep *sweep, hc_selection selection, in
  * grad D_w = 2/D_0 sum V_b (n_b.N) grad W. Samples of walls too thin for normals (scalar 0) count by their
  * volumes as above. */
 HC_INLINE void sum_squared_walls(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
-                                 bool densities_alone, block_walls *walls) {
+                                 block_walls *walls) {
   block_sums plain, plain_rates;
   block_vectors normals, plain_gradients, gradients[3], rates;
-  const bool move = sweep->walls_move && !densities_alone;
+  const bool move = sweep->walls_move;
   for (int32_t k = 0; k < count; k++) {
     const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, first + k)]);
     const row row = row_of(sweep->walls, first + k);
@@ -254,7 +254,6 @@ HC_INLINE void sum_squared_walls(const hc_sweep *sweep, hc_selection selection, 
         const hc_float of_thin = (hc_float)((hc_int)all & (faces == hc_set(0.0f)));
         add_scaled(&normal, part, volume * shape, &n);
         density.part[part] = hc_fma(of_thin, shape, density.part[part]);
-        if (densities_alone) continue;
         const vector d = direction(&p);
         const hc_float slope = slope_over_q(p.q);
         add_scaled(&gradient[0], part, volume * slope * p.x, &n);
@@ -283,7 +282,6 @@ HC_INLINE void sum_squared_walls(const hc_sweep *sweep, hc_selection selection, 
     const float x = normals.x.total[k], y = normals.y.total[k], z = normals.z.total[k];
     walls->density[k] = square * (x * x + y * y + z * z) + sweep->kernel * plain.total[k];
   }
-  if (densities_alone) return;
   add_up_vectors(&plain_gradients, count);
   for (int axis = 0; axis < 3; axis++) {
     const float *const of_thin = axis == 0   ? plain_gradients.x.total
@@ -306,19 +304,13 @@ HC_INLINE void sum_squared_walls(const hc_sweep *sweep, hc_selection selection, 
              : 0.0f;
 }
 
-/* Walls with volumes, by the sweep's rule; `densities_alone`: nothing else. */
+/* Walls with volumes, by the sweep's rule. */
 HC_INLINE void sum_walls(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
-                         bool densities_alone, block_walls *walls) {
-  if (hc_list_empty(sweep->walls, first, first + count)) { /* far from any wall */
+                         block_walls *walls) {
+  if (hc_list_empty(sweep->walls, first, first + count)) /* far from any wall */
     memset(walls, 0, sizeof *walls);
-    return;
-  }
-  if (sweep->flat_wall > 0.0f && densities_alone)
-    sum_squared_walls(sweep, selection, first, count, true, walls);
   else if (sweep->flat_wall > 0.0f)
-    sum_squared_walls(sweep, selection, first, count, false, walls);
-  else if (densities_alone)
-    sum_plain_walls(sweep, selection, first, count, true, walls);
+    sum_squared_walls(sweep, selection, first, count, walls);
   else
     sum_plain_walls(sweep, selection, first, count, false, walls);
 }

@@ -49,7 +49,7 @@ static void density(const hc_sweep *sweep, hc_selection selection) {
       hc_store_lanes(rate.part, rates.lanes[k]);
       store_vector(&gradients, k, &gradient);
     }
-    sum_walls(sweep, selection, first, count, false, &walls);
+    sum_walls(sweep, selection, first, count, &walls);
     add_up(&densities, count);
     add_up(&squares, count);
     add_up(&rates, count);
@@ -82,7 +82,7 @@ static void wall_sums(const hc_sweep *sweep, hc_selection selection) {
   block_walls walls;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
-    sum_walls(sweep, selection, first, count, false, &walls);
+    sum_walls(sweep, selection, first, count, &walls);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = hc_selected(selection, first + k);
       for (int axis = 0; axis < 3; axis++)

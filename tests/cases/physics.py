@@ -58,8 +58,9 @@ def free_fall(case, steps):
     return f"{len(found)} moments of {len(start['id'])} particles lie within {worst:.1e} m of the closed form"
 
 
-# Bands for a column at rest (fractions of rho g H, of sqrt(g H)): pressure with and without side walls, mean speed and that
-# of the fastest particle of a thousand: now and then one drops into a gap of the layer at a wall, within a tenth of a second.
+# Bands for a column at rest (fractions of rho g H, of sqrt(g H)): pressure with and without side walls, mean and largest
+# speed; between walls of DFSPH that of the fastest particle of a thousand: now and then one drops into a gap of the layer at
+# a wall, at up to 0.3, within a tenth of a second.
 # Single pressures of a step scatter by 10 %, so profiles are means over time in layers of two spacings, from two
 # spacings above the floor to two below the surface.
 COLUMN = {"height": 1.0, "spacing": 0.05, "density": 1000.0, "gravity": 9.81}
@@ -67,7 +68,7 @@ PRESSURE_BAND = {"hydrostatic": 0.02, "hydrostatic_walled": 0.02}
 SPEED_BANDS = (0.01, 0.05)
 
 
-def column(case, name, settings=(), most_error=1e-4):
+def column(case, name, settings=(), most_error=1e-4, counted=1.0):
     output = case.run(f"scenes/{name}.yaml", name, 2, settings)
     height, spacing = COLUMN["height"], COLUMN["spacing"]
     scale = COLUMN["density"] * COLUMN["gravity"] * height
@@ -86,7 +87,7 @@ def column(case, name, settings=(), most_error=1e-4):
     slope = -np.polyfit(middle, mean, 1)[0] * height / scale
     c.expect(error <= PRESSURE_BAND[name], f"{name}: pressure off by {error:.4f} rho g H")
     speed = np.concatenate([np.linalg.norm(m["velocity"], axis=1) for m in late])
-    speed = np.array([speed.mean(), np.quantile(speed, 0.999)]) / np.sqrt(COLUMN["gravity"] * height)
+    speed = np.array([speed.mean(), np.quantile(speed, counted)]) / np.sqrt(COLUMN["gravity"] * height)
     c.expect(speed[0] <= SPEED_BANDS[0] and speed[1] <= SPEED_BANDS[1], f"{name}: speeds {speed} sqrt(g H)")
     surface = np.median([np.sort(m["points"][:, 2])[-80:].mean() for m in late]) + spacing / 2
     c.expect(abs(surface - height) < spacing, f"{name}: surface at {surface:.4f} m")
@@ -104,7 +105,7 @@ def hydrostatic(case, _steps):
 
 def hydrostatic_walled(case, _steps):
     """A column at rest between walls."""
-    return column(case, "hydrostatic_walled")
+    return column(case, "hydrostatic_walled", counted=0.999)
 
 
 def hydrostatic_pcisph(case, _steps):
@@ -315,7 +316,7 @@ def boxes(case, _steps):
         edge = mean["edge"] / (1000 * 9.81 * (0.75 - top)) - 1
         whole = -(mean["box_fz"] + mean["tank_fz"]) / weight - 1
         found = f"{name}: force {100 * force:+.1f} %, near an edge {100 * edge:+.1f} %, all {100 * whole:+.2f} %"
-        c.expect(abs(force) < (0.05 if foot > 0 else 0.07) and abs(edge) < 0.1 and abs(whole) < 2e-3, found)
+        c.expect(abs(force) < (0.03 if foot > 0 else 0.07) and abs(edge) < 0.1 and abs(whole) < 1e-3, found)
         told.append(found)
     return "; ".join(told)
 
