@@ -68,6 +68,15 @@ hc_wall_friction *hc_settings_friction(const hc_scene *scene) {
   return NULL;
 }
 
+bool hc_settings_friction_differs(const hc_scene *scene) {
+  const hc_wall *const walls = scene->boundary.walls;
+  for (int k = 1; k < scene->boundary.wall_count; k++)
+    if (walls[k].friction_law != walls[0].friction_law || walls[k].roughness < walls[0].roughness ||
+        walls[k].roughness > walls[0].roughness)
+      return true;
+  return false;
+}
+
 hc_step_report hc_settings_start_report(const hc_scene *scene, double v2_max) {
   return (hc_step_report){.v_max = sqrt(v2_max), .force_max = hc_setup_pull(scene)};
 }

@@ -19,9 +19,10 @@ double hc_settings_wall_factor(const hc_scene *scene);
 /* See hc_sweep.flat_wall. */
 double hc_settings_flat_wall(const hc_scene *scene);
 
-/* The friction of each wall but what laminar sweeps do, to be freed by hc_free; null: none has any. And
- * whether laminar sweeps do it. */
+/* The friction of each wall but what laminar sweeps do, to be freed by hc_free; null: none has any. Whether
+ * walls differ in it; and whether laminar sweeps do it. */
 hc_wall_friction *hc_settings_friction(const hc_scene *scene);
+bool hc_settings_friction_differs(const hc_scene *scene);
 bool hc_settings_no_slip(const hc_scene *scene);
 
 #endif

@@ -191,6 +191,7 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
       .start_limit = hc_setup_start_limit(ratio, volume_factor),
       .flat_wall = hc_settings_flat_wall(scene),
       .friction = hc_settings_friction(scene),
+      .friction_differs = hc_settings_friction_differs(scene),
       .no_slip = hc_settings_no_slip(scene),
       .boundary_ops = hc_settings_boundary(scene),
       .features = hc_settings_features(scene),

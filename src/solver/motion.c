@@ -3,6 +3,7 @@
 
 #include "sph/error_rule.h"
 
+#include "base/clamp.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -162,7 +163,7 @@ static bearing bearing_of(const hc_world *world, const hc_solver_settings *setti
 static void note_borne(const bearing *bearing, const float acceleration[3], float *borne) {
   double fall = 0.0;
   for (int axis = 0; axis < 3; axis++) fall += (double)acceleration[axis] * bearing->g[axis];
-  const double now = fmin(2.0, fmax(-1.0, 1.0 - fall * bearing->per_square));
+  const double now = hc_clamp(1.0 - fall * bearing->per_square, -1.0, 2.0);
   *borne += (float)(bearing->share * (now - (double)*borne));
 }
 

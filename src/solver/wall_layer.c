@@ -1,5 +1,6 @@
 #include "wall_layer.h"
 
+#include "base/clamp.h"
 #include "base/logarithm.h"
 #include "base/memory.h"
 #include "sph/kernel.h"
@@ -11,18 +12,7 @@ static const double VISCOUS_END = 139.5, POWER = 0.0246385; /* of Werner and Wen
 static const double KARMAN = 0.41, ROUGH = 30.0;
 static const double NEAREST = 0.25, FARTHEST = 1.5; /* spacings: bounds of y */
 
-/* A particle and its walls. */
-typedef struct layer {
-  const hc_sweep *sweep;
-  const hc_solver_settings *settings;
-  int32_t i;
-  double weight, height;            /* sums of W and W h, h in support radii */
-  double normal[3], velocity[3];    /* sums of W n and W v_b */
-  double area[3];                   /* sum of grad W, without its constant */
-  double depth[3];                  /* sum of V_b (g.(x_b - x_i)) grad W with what of g acts, m/s2 */
-  const hc_wall_friction *friction; /* of the wall met first */
-  bool mixed;                       /* and others have another */
-} layer;
+enum { AT_ONCE = 64 }; /* particles whose surroundings are added up together */
 
 static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -47,50 +37,10 @@ static double height_over(const hc_sweep *sweep, const double d[3], int32_t b) {
   return d[0] * (double)n[0] + d[1] * (double)n[1] + d[2] * (double)n[2];
 }
 
-/* W without its constant, of q < 1. */
-static double shape(double q) {
-  const double outer = 1.0 - q, inner = q < 0.5 ? 0.5 - q : 0.0;
-  return 2.0 * outer * outer * outer - 8.0 * inner * inner * inner;
-}
-
 double hc_wall_layer_share(const hc_sweep *sweep, const double d[3], int32_t b) {
   if (!sweep->friction || friction_of(sweep, b)->law == HC_FRICTION_NONE) return 0.0;
   const double square = dot(d, d);
-  return square < 1.0 && height_over(sweep, d, b) > 0.0 ? shape(sqrt(square)) : 0.0;
-}
-
-/* Adds up the samples around; `g`: what of the body force acts, null: nothing. */
-static void look_around(layer *l, const double *g) {
-  const hc_sweep *const sweep = l->sweep;
-  const uint32_t *const row = hc_list_row(sweep->walls, l->i);
-  const double per_volume = (double)sweep->gradient * (double)sweep->support;
-  for (int32_t k = 0; k < hc_list_count(sweep->walls, l->i); k++) {
-    double d[3];
-    const int32_t b = separation(sweep, l->i, &row[k], d);
-    const double square = dot(d, d);
-    if (square >= 1.0) continue;
-    const double q = sqrt(square);
-    const double slope = hc_kernel_slope_over_q(q);
-    if (g) {
-      const double factor = -(double)sweep->boundary->place[b].scalar * per_volume * dot(g, d) * slope;
-      for (int axis = 0; axis < 3; axis++) l->depth[axis] += factor * d[axis];
-    }
-    const double height = height_over(sweep, d, b);
-    if (!sweep->friction || height <= 0.0) continue;
-    const hc_wall_friction *const friction = friction_of(sweep, b);
-    if (friction->law == HC_FRICTION_NONE) continue;
-    const double weight = shape(q);
-    l->mixed |=
-        l->friction && (l->friction->law != friction->law || l->friction->roughness != friction->roughness);
-    if (!l->friction) l->friction = friction;
-    l->weight += weight;
-    l->height += weight * height;
-    for (int axis = 0; axis < 3; axis++) {
-      l->normal[axis] += weight * (double)sweep->boundary->facing[b].v[axis];
-      l->velocity[axis] += weight * (double)sweep->boundary->motion[b].v[axis];
-      l->area[axis] += slope * d[axis];
-    }
-  }
+  return square < 1.0 && height_over(sweep, d, b) > 0.0 ? hc_kernel_shape(sqrt(square)) : 0.0;
 }
 
 /* Shear stress over rest density and velocity, m/s. */
@@ -105,42 +55,42 @@ static double stress(const hc_wall_friction *friction, double viscosity, double 
 }
 
 /* Of walls with different friction, each as far as it is near. */
-static double mean_stress(const layer *l, double y, double speed) {
-  const hc_sweep *const sweep = l->sweep;
-  const double viscosity = l->settings->wall_viscosity;
-  if (!l->mixed) return stress(l->friction, viscosity, y, speed);
-  const uint32_t *const row = hc_list_row(sweep->walls, l->i);
-  double sum = 0.0;
-  for (int32_t k = 0; k < hc_list_count(sweep->walls, l->i); k++) {
+static double mean_stress(const hc_sweep *sweep, int32_t i, double viscosity, double y, double speed) {
+  if (!sweep->friction_differs) return stress(&sweep->friction[0], viscosity, y, speed);
+  const uint32_t *const row = hc_list_row(sweep->walls, i);
+  double sum = 0.0, weights = 0.0;
+  for (int32_t k = 0; k < hc_list_count(sweep->walls, i); k++) {
     double d[3];
-    const int32_t b = separation(sweep, l->i, &row[k], d);
+    const int32_t b = separation(sweep, i, &row[k], d);
     const double weight = hc_wall_layer_share(sweep, d, b);
     if (weight > 0.0) sum += weight * stress(friction_of(sweep, b), viscosity, y, speed);
+    weights += weight;
   }
-  return sum / l->weight;
+  return weights > 0.0 ? sum / weights : 0.0;
 }
 
-/* The change of velocity by friction; false: none. */
-static bool rub(const layer *l, double dt, double change[3]) {
-  const hc_sweep *const sweep = l->sweep;
-  const double length = sqrt(dot(l->normal, l->normal));
-  if (!(length > 0.0)) return false;
-  const double *const velocity = &sweep->fluid->velocity[3 * (size_t)l->i];
+/* The change of velocity by friction. */
+static void rub(const hc_sweep *sweep, int32_t i, const hc_wall_around *around, double viscosity, double dt,
+                double change[3]) {
+  const double normal[3] = {around->normal[0], around->normal[1], around->normal[2]};
+  const double area[3] = {around->area[0], around->area[1], around->area[2]};
+  const double length = sqrt(dot(normal, normal)), weight = (double)around->weight;
+  if (!(weight > 0.0 && length > 0.0)) return;
+  const double *const velocity = &sweep->fluid->velocity[3 * (size_t)i];
   const double spacing = 2.0 * (double)sweep->wall_offset * (double)sweep->support;
   double u[3], along = 0.0;
   for (int axis = 0; axis < 3; axis++) {
-    u[axis] = velocity[axis] - l->velocity[axis] / l->weight;
-    along += u[axis] * l->normal[axis] / length;
+    u[axis] = velocity[axis] - (double)around->velocity[axis] / weight;
+    along += u[axis] * normal[axis] / length;
   }
-  for (int axis = 0; axis < 3; axis++) u[axis] -= along * l->normal[axis] / length;
+  for (int axis = 0; axis < 3; axis++) u[axis] -= along * normal[axis] / length;
   const double speed = sqrt(dot(u, u));
-  if (speed == 0.0) return false;
-  const double over = (double)sweep->support * l->height / l->weight - 0.5 * spacing,
-               y = fmin(fmax(over, NEAREST * spacing), FARTHEST * spacing),
-               a = 2.0 * (double)sweep->volume * (double)sweep->gradient * sqrt(dot(l->area, l->area)),
-               drag = dt * a * mean_stress(l, y, speed);
+  if (speed == 0.0) return;
+  const double over = (double)sweep->support * (double)around->height / weight - 0.5 * spacing,
+               y = hc_clamp(over, NEAREST * spacing, FARTHEST * spacing),
+               a = 2.0 * (double)sweep->volume * sqrt(dot(area, area)),
+               drag = dt * a * mean_stress(sweep, i, viscosity, y, speed);
   for (int axis = 0; axis < 3; axis++) change[axis] = -u[axis] * drag / (1.0 + drag);
-  return true;
 }
 
 /* What of the pull acts behind the wetted surface, m/s2: there the pressure changes as in the fluid, whose
@@ -154,8 +104,9 @@ static void find_depth(const hc_world *world, const hc_solver_settings *settings
   const double pull = sqrt(dot(g, g));
   if (!(pull > 0.0)) return;
   const double spacing = 2.0 * (double)world->sweep.wall_offset * (double)world->sweep.support,
-               share = fmin(1.0, (double)pressure / ((double)world->sweep.rest_density * pull * spacing)),
-               borne = fmin(1.0, fmax(0.0, (double)world->fluid->borne[i]));
+               share = hc_clamp((double)pressure / ((double)world->sweep.rest_density * pull * spacing), 0.0,
+                                1.0),
+               borne = hc_clamp((double)world->fluid->borne[i], 0.0, 1.0);
   for (int axis = 0; axis < 3; axis++) depth[axis] = (float)(share * borne * g[axis]);
 }
 
@@ -174,25 +125,34 @@ void hc_wall_layer_look(hc_world *world, const hc_solver_settings *settings, con
   }
 }
 
-static void act_on(hc_world *world, const hc_solver_settings *settings, double dt, hc_touch *touch) {
+static void act_on(hc_world *world, const hc_wall_around *around, double viscosity, double dt,
+                   hc_touch *touch) {
   hc_particles *const fluid = world->fluid;
-  layer l = {.sweep = &world->sweep, .settings = settings, .i = touch->particle};
+  const int32_t i = touch->particle;
   double change[3] = {0.0, 0.0, 0.0};
-  const double g[3] = {touch->depth[0], touch->depth[1], touch->depth[2]};
-  look_around(&l, g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0 ? g : NULL);
-  if (l.weight > 0.0) rub(&l, dt, change);
+  rub(&world->sweep, i, around, viscosity, dt, change);
   for (int axis = 0; axis < 3; axis++) {
-    double *const velocity = &fluid->velocity[3 * (size_t)l.i + (size_t)axis];
+    double *const velocity = &fluid->velocity[3 * (size_t)i + (size_t)axis];
     touch->rub[axis] = (float)change[axis];
-    *velocity += change[axis] - dt * l.depth[axis];
-    fluid->motion[l.i].v[axis] = (float)*velocity;
+    *velocity += change[axis] - dt * (double)around->depth[axis];
+    fluid->motion[i].v[axis] = (float)*velocity;
   }
 }
 
 void hc_wall_layer_act(hc_world *world, const hc_solver_settings *settings, double dt, int32_t begin,
                        int32_t end) {
   const hc_touches *const touches = &world->touches;
-  for (size_t k = 0; k < touches->count; k++)
-    if (touches->at[k].particle >= begin && touches->at[k].particle < end)
-      act_on(world, settings, dt, &touches->at[k]);
+  hc_wall_around around[AT_ONCE];
+  size_t first = 0;
+  while (first < touches->count && touches->at[first].particle < begin) first++;
+  while (first < touches->count && touches->at[first].particle < end) {
+    int32_t count = 0;
+    while (count < AT_ONCE && first + (size_t)count < touches->count &&
+           touches->at[first + (size_t)count].particle < end)
+      count++;
+    world->sweeps->wall_layer(&world->sweep, &touches->at[first], count, around);
+    for (int32_t k = 0; k < count; k++)
+      act_on(world, &around[k], settings->wall_viscosity, dt, &touches->at[first + (size_t)k]);
+    first += (size_t)count;
+  }
 }

@@ -184,15 +184,30 @@ typedef struct block_walls {
   float rate[BLOCK];        /* what of dD_w/dt their motion takes away, where they move */
 } block_walls;
 
+/* Those rows of a block that have boundary neighbours, few where it is far from walls. */
+typedef struct block_rows {
+  int32_t at[BLOCK], count;
+} block_rows;
+
+HC_INLINE block_rows rows_at_walls(const hc_sweep *sweep, int32_t first, int32_t count) {
+  block_rows rows = {.count = 0};
+  for (int32_t k = 0; k < count; k++) {
+    rows.at[rows.count] = k;
+    rows.count += hc_list_count(sweep->walls, first + k) > 0;
+  }
+  return rows;
+}
+
 /* Sums over boundary neighbours of a block: V_b W, V_b grad W, and V_b v_b . grad W. */
-HC_INLINE void sum_plain_walls(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
-                               bool densities_alone, block_walls *walls) {
+HC_INLINE void sum_plain_walls(const hc_sweep *sweep, hc_selection selection, int32_t first,
+                               const block_rows *rows, bool densities_alone, block_walls *walls) {
   block_sums densities, rates;
   block_vectors gradients;
   const bool move = sweep->walls_move && !densities_alone;
-  for (int32_t k = 0; k < count; k++) {
-    const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, first + k)]);
-    const row row = row_of(sweep->walls, first + k);
+  for (int32_t m = 0; m < rows->count; m++) {
+    const int32_t number = first + rows->at[m];
+    const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, number)]);
+    const row row = row_of(sweep->walls, number);
     sums density = {{{0}}}, rate = {{{0}}};
     vector_sums gradient = no_sums();
     for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
@@ -211,20 +226,20 @@ HC_INLINE void sum_plain_walls(const hc_sweep *sweep, hc_selection selection, in
         rate.part[part] = hc_fma(slope, dot_pair(&velocity, &p), rate.part[part]);
       }
     }
-    hc_store_lanes(density.part, densities.lanes[k]);
-    hc_store_lanes(rate.part, rates.lanes[k]);
-    store_vector(&gradients, k, &gradient);
+    hc_store_lanes(density.part, densities.lanes[m]);
+    hc_store_lanes(rate.part, rates.lanes[m]);
+    store_vector(&gradients, m, &gradient);
   }
-  add_up(&densities, count);
-  for (int32_t k = 0; k < count; k++) walls->density[k] = sweep->kernel * densities.total[k];
+  add_up(&densities, rows->count);
+  for (int32_t m = 0; m < rows->count; m++) walls->density[rows->at[m]] = sweep->kernel * densities.total[m];
   if (densities_alone) return;
-  add_up_vectors(&gradients, count);
-  if (move) add_up(&rates, count);
-  for (int32_t k = 0; k < count; k++) {
-    walls->gradient[0][k] = sweep->gradient * gradients.x.total[k];
-    walls->gradient[1][k] = sweep->gradient * gradients.y.total[k];
-    walls->gradient[2][k] = sweep->gradient * gradients.z.total[k];
-    walls->rate[k] = move ? sweep->gradient * rates.total[k] : 0.0f;
+  add_up_vectors(&gradients, rows->count);
+  if (move) add_up(&rates, rows->count);
+  for (int32_t m = 0; m < rows->count; m++) {
+    walls->gradient[0][rows->at[m]] = sweep->gradient * gradients.x.total[m];
+    walls->gradient[1][rows->at[m]] = sweep->gradient * gradients.y.total[m];
+    walls->gradient[2][rows->at[m]] = sweep->gradient * gradients.z.total[m];
+    walls->rate[rows->at[m]] = move ? sweep->gradient * rates.total[m] : 0.0f;
   }
 }
 
@@ -232,14 +247,15 @@ HC_INLINE void sum_plain_walls(const hc_sweep *sweep, hc_selection selection, in
  * weights (facing and its scalar), and the share D_0 of a flat wall a spacing away, D_w = N.N/D_0, so that
  * grad D_w = 2/D_0 sum V_b (n_b.N) grad W. Samples of walls too thin for normals (scalar 0) count by their
  * volumes as above. */
-HC_INLINE void sum_squared_walls(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
-                                 block_walls *walls) {
+HC_INLINE void sum_squared_walls(const hc_sweep *sweep, hc_selection selection, int32_t first,
+                                 const block_rows *rows, block_walls *walls) {
   block_sums plain, plain_rates;
   block_vectors normals, plain_gradients, gradients[3], rates;
   const bool move = sweep->walls_move;
-  for (int32_t k = 0; k < count; k++) {
-    const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, first + k)]);
-    const row row = row_of(sweep->walls, first + k);
+  for (int32_t m = 0; m < rows->count; m++) {
+    const int32_t number = first + rows->at[m];
+    const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, number)]);
+    const row row = row_of(sweep->walls, number);
     sums density = {{{0}}}, plain_rate = {{{0}}};
     vector_sums normal = no_sums(), plain_gradient = no_sums(), rate = no_sums(),
                 gradient[3] = {no_sums(), no_sums(), no_sums()};
@@ -267,52 +283,53 @@ HC_INLINE void sum_squared_walls(const hc_sweep *sweep, hc_selection selection, 
         plain_rate.part[part] = hc_fma(of_thin, along, plain_rate.part[part]);
       }
     }
-    hc_store_lanes(density.part, plain.lanes[k]);
-    hc_store_lanes(plain_rate.part, plain_rates.lanes[k]);
-    store_vector(&normals, k, &normal);
-    store_vector(&plain_gradients, k, &plain_gradient);
-    for (int axis = 0; axis < 3; axis++) store_vector(&gradients[axis], k, &gradient[axis]);
-    store_vector(&rates, k, &rate);
+    hc_store_lanes(density.part, plain.lanes[m]);
+    if (move) hc_store_lanes(plain_rate.part, plain_rates.lanes[m]);
+    store_vector(&normals, m, &normal);
+    store_vector(&plain_gradients, m, &plain_gradient);
+    for (int axis = 0; axis < 3; axis++) store_vector(&gradients[axis], m, &gradient[axis]);
+    if (move) store_vector(&rates, m, &rate);
   }
   const float square = sweep->kernel * sweep->kernel / sweep->flat_wall,
               twice = 2.0f * sweep->kernel * sweep->gradient / sweep->flat_wall;
-  add_up(&plain, count);
-  add_up_vectors(&normals, count);
-  for (int32_t k = 0; k < count; k++) {
-    const float x = normals.x.total[k], y = normals.y.total[k], z = normals.z.total[k];
-    walls->density[k] = square * (x * x + y * y + z * z) + sweep->kernel * plain.total[k];
+  add_up(&plain, rows->count);
+  add_up_vectors(&normals, rows->count);
+  for (int32_t m = 0; m < rows->count; m++) {
+    const float x = normals.x.total[m], y = normals.y.total[m], z = normals.z.total[m];
+    walls->density[rows->at[m]] = square * (x * x + y * y + z * z) + sweep->kernel * plain.total[m];
   }
-  add_up_vectors(&plain_gradients, count);
+  add_up_vectors(&plain_gradients, rows->count);
   for (int axis = 0; axis < 3; axis++) {
     const float *const of_thin = axis == 0   ? plain_gradients.x.total
                                  : axis == 1 ? plain_gradients.y.total
                                              : plain_gradients.z.total;
-    add_up_vectors(&gradients[axis], count);
-    for (int32_t k = 0; k < count; k++)
-      walls->gradient[axis][k] = twice * (gradients[axis].x.total[k] * normals.x.total[k] +
-                                          gradients[axis].y.total[k] * normals.y.total[k] +
-                                          gradients[axis].z.total[k] * normals.z.total[k]) +
-                                 sweep->gradient * of_thin[k];
+    add_up_vectors(&gradients[axis], rows->count);
+    for (int32_t m = 0; m < rows->count; m++)
+      walls->gradient[axis][rows->at[m]] = twice * (gradients[axis].x.total[m] * normals.x.total[m] +
+                                                    gradients[axis].y.total[m] * normals.y.total[m] +
+                                                    gradients[axis].z.total[m] * normals.z.total[m]) +
+                                           sweep->gradient * of_thin[m];
   }
-  if (move) add_up_vectors(&rates, count);
-  if (move) add_up(&plain_rates, count);
-  for (int32_t k = 0; k < count; k++)
-    walls->rate[k] =
-        move ? twice * (rates.x.total[k] * normals.x.total[k] + rates.y.total[k] * normals.y.total[k] +
-                        rates.z.total[k] * normals.z.total[k]) +
-                   sweep->gradient * plain_rates.total[k]
+  if (move) add_up_vectors(&rates, rows->count);
+  if (move) add_up(&plain_rates, rows->count);
+  for (int32_t m = 0; m < rows->count; m++)
+    walls->rate[rows->at[m]] =
+        move ? twice * (rates.x.total[m] * normals.x.total[m] + rates.y.total[m] * normals.y.total[m] +
+                        rates.z.total[m] * normals.z.total[m]) +
+                   sweep->gradient * plain_rates.total[m]
              : 0.0f;
 }
 
-/* Walls with volumes, by the sweep's rule. */
+/* Walls with volumes, by the sweep's rule, or plainly and their densities alone. */
 HC_INLINE void sum_walls(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
-                         block_walls *walls) {
-  if (hc_list_empty(sweep->walls, first, first + count)) /* far from any wall */
-    memset(walls, 0, sizeof *walls);
-  else if (sweep->flat_wall > 0.0f)
-    sum_squared_walls(sweep, selection, first, count, walls);
+                         bool densities_alone, block_walls *walls) {
+  const block_rows rows = rows_at_walls(sweep, first, count);
+  memset(walls, 0, sizeof *walls);
+  if (rows.count == 0) return; /* far from any wall */
+  if (sweep->flat_wall > 0.0f && !densities_alone)
+    sum_squared_walls(sweep, selection, first, &rows, walls);
   else
-    sum_plain_walls(sweep, selection, first, count, false, walls);
+    sum_plain_walls(sweep, selection, first, &rows, densities_alone, walls);
 }
 
 /* Sums W over the neighbours of targets [first, first + count), or W times the scalar of `weights`, records
@@ -370,6 +387,8 @@ HC_INLINE void sum_pressure_gradients(const hc_sweep *sweep, hc_selection select
 typedef void hc_force_sweep(const hc_sweep *sweep, float weight, float *change, hc_selection selection);
 hc_force_sweep HC_ISA_SYMBOL(hc_xsph), HC_ISA_SYMBOL(hc_laminar), HC_ISA_SYMBOL(hc_artificial),
     HC_ISA_SYMBOL(hc_cohesion);
+void HC_ISA_SYMBOL(hc_wall_layer)(const hc_sweep *sweep, const hc_touch *touches, int32_t count,
+                                  hc_wall_around *around);
 typedef void hc_prediction_sweep(const hc_sweep *sweep, const hc_prediction *prediction,
                                  hc_selection selection, hc_error_total *total);
 hc_prediction_sweep HC_ISA_SYMBOL(hc_predicted_density), HC_ISA_SYMBOL(hc_corrected_density);

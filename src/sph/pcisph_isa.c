@@ -88,9 +88,7 @@ HC_INLINE void sum_wall_densities(const hc_sweep *sweep, const hc_prediction *pr
     memset(share, 0, (size_t)count * sizeof *share);
     break;
   case HC_WALLS_MIRRORED:
-    memset(share, 0, (size_t)count * sizeof *share);
-    if (hc_list_empty(sweep->walls, first, first + count)) break; /* far from any wall */
-    sum_plain_walls(sweep, selection, first, count, true, &walls);
+    sum_walls(sweep, selection, first, count, true, &walls);
     memcpy(share, walls.density, (size_t)count * sizeof *share);
     break;
   case HC_WALLS_PRESSURE:

@@ -46,7 +46,7 @@ typedef enum hc_friction_law {
 } hc_friction_law;
 
 typedef struct hc_wall_friction {
-  hc_friction_law law;
+  _Alignas(16) hc_friction_law law;
   double roughness; /* m: k_s of a rough wall */
 } hc_wall_friction;
 
@@ -61,6 +61,15 @@ typedef struct hc_touches {
   hc_touch *at;
   size_t count, room;
 } hc_touches;
+
+/* Sums over the samples around a particle. But for depth they are over those of walls with friction in front
+ * of which it is, with W without its constant as weight. */
+typedef struct hc_wall_around {
+  float weight, height;         /* W, W times the height over the sample's plane in support radii */
+  float normal[3], velocity[3]; /* W n_b, W v_b; velocity 0 where no wall moves */
+  float area[3];                /* grad W */
+  float depth[3];               /* V_b (depth.(x_b - x_i)) grad W over all, m/s2, by hc_touch.depth */
+} hc_wall_around;
 
 /* What all sweeps of a step read. */
 typedef struct hc_sweep {
@@ -84,6 +93,7 @@ typedef struct hc_sweep {
   bool walls_move;                  /* has any boundary particle a velocity? */
   bool no_slip;                     /* do walls hold the fluid in laminar sweeps? */
   const hc_wall_friction *friction; /* of each wall, by its number; null: no wall has any */
+  bool friction_differs;            /* from wall to wall */
   const hc_touches *touches;        /* of the last step; may be null */
   hc_holds *holds;                  /* of the last step, where walls hold so (MIRRORED); may be null */
   const hc_record *contacts; /* v: change of velocity by contact in the last step, m/s; null where walls are
@@ -167,6 +177,9 @@ typedef struct hc_sweeps {
   /* change_i += -weight sum W (x_i - x_j) over fluid neighbours: surface tension (Becker and Teschner 2007);
    * weight = kappa dt. */
   void (*cohesion)(const hc_sweep *sweep, float weight, float *change, hc_selection selection);
+
+  /* What `count` particles next to walls have around them; all of the fluid must be listed. */
+  void (*wall_layer)(const hc_sweep *sweep, const hc_touch *touches, int32_t count, hc_wall_around *around);
 
   /* boundary->place.scalar = volume = factor / (W(0) + sum_b W) over boundary neighbours. Akinci et al. 2012,
    * eq. 4. */

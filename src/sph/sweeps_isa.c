@@ -49,7 +49,7 @@ static void density(const hc_sweep *sweep, hc_selection selection) {
       hc_store_lanes(rate.part, rates.lanes[k]);
       store_vector(&gradients, k, &gradient);
     }
-    sum_walls(sweep, selection, first, count, &walls);
+    sum_walls(sweep, selection, first, count, false, &walls);
     add_up(&densities, count);
     add_up(&squares, count);
     add_up(&rates, count);
@@ -82,7 +82,7 @@ static void wall_sums(const hc_sweep *sweep, hc_selection selection) {
   block_walls walls;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
-    sum_walls(sweep, selection, first, count, &walls);
+    sum_walls(sweep, selection, first, count, false, &walls);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = hc_selected(selection, first + k);
       for (int axis = 0; axis < 3; axis++)
@@ -183,6 +183,7 @@ const hc_sweeps *HC_ISA_SYMBOL(hc_sweeps)(void) {
                                    .laminar = HC_ISA_SYMBOL(hc_laminar),
                                    .artificial = HC_ISA_SYMBOL(hc_artificial),
                                    .cohesion = HC_ISA_SYMBOL(hc_cohesion),
+                                   .wall_layer = HC_ISA_SYMBOL(hc_wall_layer),
                                    .boundary_volume = boundary_volume,
                                    .predicted_density = HC_ISA_SYMBOL(hc_predicted_density),
                                    .corrected_density = HC_ISA_SYMBOL(hc_corrected_density),

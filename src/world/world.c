@@ -50,6 +50,7 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
   world->sweep.holds = &world->holds;
   world->sweep.touches = &world->touches;
   world->sweep.friction = world->friction = settings->friction;
+  world->sweep.friction_differs = settings->friction_differs;
   world->sweep.no_slip = settings->no_slip;
 }
 

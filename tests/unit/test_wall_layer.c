@@ -36,7 +36,13 @@ static void rub(setting *s, const hc_wall_friction friction[2], hc_world *world)
   const hc_solver_settings settings = {.gravity = {0, 0, -10}, .wall_viscosity = 1e-6};
   memcpy(s->fluid.velocity, before, sizeof before);
   s->sweep.friction = friction;
-  *world = (hc_world){.frame = s->frame, .sweep = s->sweep, .walls = s->walls, .fluid = &s->fluid};
+  s->sweep.friction_differs = friction[0].law != friction[1].law;
+  s->sweep.walls_move = true;
+  *world = (hc_world){.frame = s->frame,
+                      .sweeps = hc_sweeps_of(hc_isa_best()),
+                      .sweep = s->sweep,
+                      .walls = s->walls,
+                      .fluid = &s->fluid};
   hc_wall_layer_look(world, &settings, NULL);
   hc_wall_layer_act(world, &settings, DT, 0, s->fluid.own);
 }
@@ -110,7 +116,11 @@ START_TEST(depth_pushes_against_the_pull) {
   for (int k = 0; k < 4; k++) {
     memcpy(s.fluid.velocity, still, sizeof still);
     s.fluid.borne[0] = k < 3 ? 1.0f : 0.0f;
-    hc_world world = {.frame = s.frame, .sweep = s.sweep, .walls = s.walls, .fluid = &s.fluid};
+    hc_world world = {.frame = s.frame,
+                      .sweeps = hc_sweeps_of(hc_isa_best()),
+                      .sweep = s.sweep,
+                      .walls = s.walls,
+                      .fluid = &s.fluid};
     hc_wall_layer_look(&world, &settings, k == 1 ? &low : k == 2 ? &none : &high);
     hc_wall_layer_act(&world, &settings, DT, 0, 1);
     push[k] = s.fluid.velocity[0];
@@ -119,6 +129,82 @@ START_TEST(depth_pushes_against_the_pull) {
   }
   ck_assert(push[0] > 0.1 * DT * 10 && push[0] < 0.5 * DT * 10); /* the wall's share of the neighbourhood */
   ck_assert(fabs(push[1] - 0.25 * push[0]) < 1e-6 * push[0] && push[2] == 0 && push[3] == 0);
+  setting_free(&s);
+}
+END_TEST
+
+enum { FLUID = 1500, BOUNDARY = 500, SUMS = sizeof(hc_wall_around) / sizeof(float) };
+
+/* The sums around a particle in the order of hc_wall_around, and those of their terms' magnitudes. */
+static void look_around(const setting *s, const hc_touch *touch, double sum[SUMS], double scale[SUMS]) {
+  const vec pull = {{touch->depth[0], touch->depth[1], touch->depth[2]}};
+  memset(sum, 0, SUMS * sizeof *sum);
+  for (int k = 0; k < SUMS; k++) /* the outermost neighbours' kernels are small differences of ones */
+    scale[k] = k < 8 ? 1e-5 : (k < 11 ? 1 : VOLUME * norm(pull) * H) * 1e-4 * 8 / (PI * H * H * H * H);
+  for (int32_t b = 0; b < s->boundary.own; b++) {
+    const vec x = separation(s, &s->fluid, touch->particle, &s->boundary, b), g = gradient(x);
+    const float *const n = s->boundary.facing[b].v, *const v = s->boundary.motion[b].v;
+    const double shape = kernel(norm(x)) * PI * H * H * H / 8, depth = -dot(pull, x);
+    const double height = (x.x[0] * (double)n[0] + x.x[1] * (double)n[1] + x.x[2] * (double)n[2]) / H;
+    const bool rubs = height > 0 && s->sweep.friction[(int)s->boundary.motion[b].scalar].law;
+    double term[SUMS] = {rubs ? shape : 0, rubs ? shape * height : 0};
+    for (int axis = 0; axis < 3; axis++) {
+      if (rubs) {
+        term[2 + axis] = shape * (double)n[axis];
+        term[5 + axis] = s->sweep.walls_move ? shape * (double)v[axis] : 0;
+        term[8 + axis] = g.x[axis];
+      }
+      term[11 + axis] = boundary_volume_of(s->boundary.id[b]) * depth * g.x[axis];
+    }
+    for (int k = 0; k < SUMS; k++) sum[k] += term[k], scale[k] += fabs(term[k]);
+    for (int axis = 0; axis < 3; axis++) /* of three products */
+      scale[11 + axis] += boundary_volume_of(s->boundary.id[b]) * norm(pull) * norm(x) * norm(g);
+  }
+}
+
+START_TEST(surroundings_agree_with_plain_sums) {
+  setting s;
+  make_cloud(&s, FLUID, BOUNDARY);
+  const hc_wall_friction friction[2] = {{HC_FRICTION_SMOOTH, 0},
+                                        {_i ? HC_FRICTION_NONE : HC_FRICTION_SMOOTH, 0}};
+  s.sweep.friction = friction;
+  s.sweep.friction_differs = _i;
+  s.sweep.walls_move = _i < 2;
+  for (int32_t b = 0; b < BOUNDARY; b++) {
+    double n[3], square = 0;
+    for (int axis = 0; axis < 3; axis++) {
+      n[axis] = random_number((uint64_t)(3 * b + axis) + 55555);
+      square += n[axis] * n[axis];
+    }
+    for (int axis = 0; axis < 3; axis++) s.boundary.facing[b].v[axis] = (float)(n[axis] / sqrt(square));
+    s.boundary.motion[b].scalar = (float)(mix((uint64_t)b) & 1);
+  }
+  hc_touch touches[FLUID];
+  int32_t count = 0;
+  for (int32_t i = 0; i < FLUID; i++) {
+    if (hc_list_count(&s.walls, i) == 0) continue;
+    touches[count] = (hc_touch){.particle = i};
+    for (int axis = 0; axis < 3; axis++)
+      touches[count].depth[axis] = (float)(10 * random_number((uint64_t)(3 * i + axis) + 33333));
+    count++;
+  }
+  ck_assert_int_gt(count, 3 * 64);
+  hc_wall_around found[HC_ISA_COUNT][FLUID];
+  memset(found, 0, sizeof found);
+  for (hc_isa isa = 0; isa <= hc_isa_best(); isa++) {
+    hc_sweeps_of(isa)->wall_layer(&s.sweep, touches, count, found[isa]);
+    for (int32_t k = 0; k < count; k++) {
+      double sum[SUMS], scale[SUMS];
+      float sums[SUMS];
+      look_around(&s, &touches[k], sum, scale);
+      memcpy(sums, &found[isa][k], sizeof sums);
+      for (int n = 0; n < SUMS; n++)
+        ck_assert_msg(fabs((double)sums[n] - sum[n]) <= TOLERANCE * scale[n], "%s, sum %d: %g, not %g",
+                      hc_isa_name(isa), n, (double)sums[n], sum[n]);
+    }
+  }
+  if (hc_isa_best() == HC_ISA_AVX512)
+    ck_assert(memcmp(found[HC_ISA_AVX2], found[HC_ISA_AVX512], sizeof found[0]) == 0);
   setting_free(&s);
 }
 END_TEST
@@ -136,6 +222,7 @@ int main(void) {
   tcase_add_test(cases, friction_is_that_of_the_law);
   tcase_add_test(cases, friction_goes_by_the_wall);
   tcase_add_test(cases, depth_pushes_against_the_pull);
+  tcase_add_loop_test(cases, surroundings_agree_with_plain_sums, 0, 3);
   tcase_add_test(cases, logarithm_is_that_of_the_library);
   suite_add_tcase(suite, cases);
   SRunner *const runner = srunner_create(suite);
