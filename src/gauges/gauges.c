@@ -1,6 +1,7 @@
 #include "gauges.h"
 
 #include "base/memory.h"
+#include "heights.h"
 #include "measures.h"
 #include "solver/wall_force.h"
 
@@ -165,54 +166,12 @@ void hc_gauges_step(hc_gauges *gauges, double dt) {
 
 /* ---- readings of the moment ---- */
 
-/* A particle near a height gauge's line: how far along it. */
-typedef struct mark {
-  int64_t gauge;
-  double along; /* m */
-} mark;
-
 /* What all readings together need of all ranks. */
 typedef struct readings {
   hc_sum (*sums)[READING_SUMS]; /* of each gauge */
   double *fronts;               /* of each gauge, along its axis, m; -INFINITY: no water */
-  mark *marks;                  /* ascending, once gathered */
-  size_t mark_count, mark_room;
+  hc_marks marks;               /* of all heights */
 } readings;
-
-static int ascending(const void *a, const void *b) {
-  const mark *p = a, *q = b;
-  if (p->gauge != q->gauge) return p->gauge < q->gauge ? -1 : 1;
-  return (p->along > q->along) - (p->along < q->along);
-}
-
-/* Particles within a spacing of the line. */
-static void mark_height(const hc_gauges *gauges, int g, const hc_particles *fluid, readings *r) {
-  const double spacing = gauges->scene->particle_spacing, *const d = gauges->state[g].direction;
-  const hc_point at = hc_measure_point(gauges->frame, gauges->state[g].at);
-  for (int32_t i = 0; i < fluid->own; i++) {
-    double offset[3], beside = 0.0;
-    hc_measure_offset(gauges->frame, &fluid->position[3 * (size_t)i], &at, offset);
-    const double along = offset[0] * d[0] + offset[1] * d[1] + offset[2] * d[2];
-    for (int a = 0; a < 3; a++) beside += (offset[a] - along * d[a]) * (offset[a] - along * d[a]);
-    if (beside > spacing * spacing) continue;
-    hc_reserve((void **)&r->marks, &r->mark_room, r->mark_count + 1, r->mark_count, sizeof *r->marks);
-    r->marks[r->mark_count++] = (mark){g, along};
-  }
-}
-
-/* Runs of them with gaps of up to 1.5 spacings are wet, and half a spacing beyond either end. */
-static double height(const hc_gauges *gauges, int g, const readings *r) {
-  const double spacing = gauges->scene->particle_spacing;
-  double wet = 0.0;
-  bool first = true;
-  for (size_t k = 0; k < r->mark_count; k++) {
-    if (r->marks[k].gauge != g) continue;
-    const double gap = first ? INFINITY : r->marks[k].along - r->marks[k - 1].along;
-    wet += gap <= 1.5 * spacing ? gap : spacing;
-    first = false;
-  }
-  return wet;
-}
 
 static double find_front(const hc_gauges *gauges, const hc_scene_gauge *gauge, const hc_particles *fluid) {
   int sign;
@@ -262,17 +221,6 @@ static void add_density(const hc_gauges *gauges, int g, const hc_particles *flui
     }
 }
 
-/* Everybody's marks, on every rank. */
-static void gather_marks(hc_comm *comm, readings *r) {
-  void *all;
-  size_t bytes;
-  hc_comm_gather_all(comm, r->marks, r->mark_count * sizeof *r->marks, &all, &bytes);
-  hc_free(r->marks);
-  r->marks = all;
-  r->mark_count = bytes / sizeof *r->marks;
-  if (r->mark_count) qsort(r->marks, r->mark_count, sizeof *r->marks, ascending);
-}
-
 static void take_readings(const hc_gauges *gauges, const hc_particles *fluid, readings *r) {
   const hc_scene *scene = gauges->scene;
   const int count = scene->output.gauge_count;
@@ -280,7 +228,7 @@ static void take_readings(const hc_gauges *gauges, const hc_particles *fluid, re
   for (int g = 0; g < count; g++) {
     const hc_scene_gauge *gauge = &scene->output.gauges[g];
     heights |= gauge->type == HC_GAUGE_HEIGHT;
-    if (gauge->type == HC_GAUGE_HEIGHT) mark_height(gauges, g, fluid, r);
+    if (gauge->type == HC_GAUGE_HEIGHT) hc_heights_mark(gauges, g, fluid, &r->marks);
     if (gauge->type == HC_GAUGE_FRONT) r->fronts[g] = find_front(gauges, gauge, fluid);
     if (gauge->type == HC_GAUGE_ENERGY) add_energy(gauges, g, fluid, r);
     if (gauge->type == HC_GAUGE_VOLUME) add_volume(gauges, g, fluid, r);
@@ -290,7 +238,7 @@ static void take_readings(const hc_gauges *gauges, const hc_particles *fluid, re
   hc_tally_sum_exact(&tally, *r->sums, READING_SUMS * count);
   hc_tally_max_f64(&tally, r->fronts, count);
   hc_tally_reduce(gauges->comm, &tally);
-  if (heights) gather_marks(gauges->comm, r);
+  if (heights) hc_heights_gather(gauges->comm, &r->marks);
 }
 
 /* A gauge's columns; begins its averages anew. */
@@ -299,7 +247,7 @@ static void tell(hc_gauges *gauges, int g, const readings *r, double *values) {
   hc_gauge_state *state = &gauges->state[g];
   switch (gauge->type) {
   case HC_GAUGE_HEIGHT:
-    values[0] = height(gauges, g, r);
+    values[0] = hc_heights_wet(gauges, g, &r->marks);
     break;
   case HC_GAUGE_FRONT:
     values[0] = front(gauges, gauge, r->fronts[g]);
@@ -335,6 +283,6 @@ void hc_gauges_read(hc_gauges *gauges, const hc_particles *fluid, double *values
   }
   hc_free(r.sums);
   hc_free(r.fronts);
-  hc_free(r.marks);
+  hc_free(r.marks.at);
   gauges->elapsed = 0.0;
 }

@@ -1,7 +1,7 @@
 /* Gauges: what a run measures on its particles, exact across ranks.
  *
  * - height: depth of water along a line, against gravity or along an axis, the length that is wet; gaps of up
- *   to 1.5 spacings closed.
+ *   to 1.5 spacings closed, a rough surface read at its mean (heights.h).
  * - front: farthest water along an axis, half a spacing beyond the last particle; nan where there is none.
  * - pressure: at a point in the fluid, the kernel's weighted mean of the particles around. With a wall: the
  *   push on the wall's samples around the point over their area, which is exact in the mean where the
