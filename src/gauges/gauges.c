@@ -42,6 +42,10 @@ static int find_wall(const hc_scene *scene, const char *name) {
   return -1;
 }
 
+static bool has_moving_mean(const hc_gauges *gauges, int g) {
+  return gauges->scene->output.gauges[g].mean_over > 0.0;
+}
+
 static bool pushes_wall(const hc_gauges *gauges, int g) {
   return gauges->state[g].wall >= 0;
 }
@@ -73,11 +77,23 @@ void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, con
   for (int g = 0; g < count; g++) {
     const hc_scene_gauge *gauge = &scene->output.gauges[g];
     gauges->state[g].wall = find_wall(scene, gauge->wall);
+    gauges->state[g].radius = gauge->radius > 0.0 ? gauge->radius : frame->support_radius;
     hc_measure_stand(scene, gauge, gauges->state[g].at, gauges->state[g].direction);
+    if (has_moving_mean(gauges, g))
+      hc_moving_mean_init(&gauges->state[g].moving, gauge->mean_over, columns_of(gauge->type));
     gauges->state[g].first_sum = gauges->sum_count;
     gauges->sum_count += sums_of(gauges, g);
   }
   gauges->sums = hc_alloc_zero((size_t)gauges->sum_count, sizeof *gauges->sums);
+}
+
+void hc_gauges_register(hc_gauges *gauges, hc_state *state) {
+  hc_state_add(state, HC_TYPE_f64, 1, &gauges->elapsed, "gauges.elapsed");
+  for (int g = 0; g < gauges->scene->output.gauge_count; g++) {
+    hc_gauge_state *const gauge = &gauges->state[g];
+    hc_state_add(state, HC_TYPE_f64, HC_GAUGE_COLUMNS, gauge->integral, "gauges.%d.integral", g);
+    if (has_moving_mean(gauges, g)) hc_moving_mean_register(&gauge->moving, state, g);
+  }
 }
 
 hc_status hc_gauges_find_walls(hc_gauges *gauges, const hc_particles *boundary, hc_error *error) {
@@ -92,26 +108,28 @@ hc_status hc_gauges_find_walls(hc_gauges *gauges, const hc_particles *boundary, 
     if (gauges->state[g].area == 0.0)
       return hc_error_set(
           error, HC_BAD_INPUT,
-          "output.gauges[%d] %s: wall '%s' has no sample within a support radius (%g m) of (%g, %g, %g) m", g,
-          gauge->name, gauge->wall, gauges->frame->support_radius, gauge->at[0], gauge->at[1], gauge->at[2]);
+          "output.gauges[%d] %s: wall '%s' has no sample within the radius (%g m) of (%g, %g, %g) m", g,
+          gauge->name, gauge->wall, gauges->state[g].radius, gauge->at[0], gauge->at[1], gauge->at[2]);
   }
   return HC_OK;
 }
 
 void hc_gauges_free(hc_gauges *gauges) {
+  for (int g = 0; g < gauges->scene->output.gauge_count; g++) hc_moving_mean_free(&gauges->state[g].moving);
   hc_free(gauges->state);
   hc_free(gauges->sums);
   memset(gauges, 0, sizeof *gauges);
 }
 
-/* What a step's sums mean: the step's mean value of each column of a gauge. */
-static void add_step(hc_gauges *gauges, int g, const hc_sum *sums, double dt) {
-  hc_gauge_state *state = &gauges->state[g];
+/* What a step's sums mean: the integral over the step of each column of a gauge. */
+static void integrate(const hc_gauges *gauges, int g, double dt, double integral[HC_GAUGE_COLUMNS]) {
+  const hc_gauge_state *state = &gauges->state[g];
+  const hc_sum *sums = gauges->sums + state->first_sum;
   double value[HC_GAUGE_COLUMNS];
   for (int k = 0; k < sums_of(gauges, g); k++) value[k] = hc_sum_value(&sums[k]);
   switch (gauges->scene->output.gauges[g].type) {
   case HC_GAUGE_FORCE:
-    for (int k = 0; k < HC_GAUGE_COLUMNS; k++) state->integral[k] += dt * value[k];
+    for (int k = 0; k < HC_GAUGE_COLUMNS; k++) integral[k] = dt * value[k];
     break;
   case HC_GAUGE_PRESSURE:
     if (pushes_wall(gauges, g)) {
@@ -120,13 +138,13 @@ static void add_step(hc_gauges *gauges, int g, const hc_sum *sums, double dt) {
       const double push = d[0] != 0.0 || d[1] != 0.0 || d[2] != 0.0
                               ? along
                               : sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
-      if (state->area > 0.0) state->integral[0] += dt * (push / state->area);
+      if (state->area > 0.0) integral[0] = dt * (push / state->area);
     } else if (value[1] > 0.0) {
-      state->integral[0] += dt * (value[0] / value[1]);
+      integral[0] = dt * (value[0] / value[1]);
     }
     break;
   case HC_GAUGE_FLOW: /* particles */
-    state->integral[0] += value[0] * (gauges->mass / gauges->scene->fluid.rest_density);
+    integral[0] = value[0] * (gauges->mass / gauges->scene->fluid.rest_density);
     break;
   default:
     break;
@@ -150,7 +168,7 @@ void hc_gauges_note(hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_tall
     if (pushes_wall(gauges, g)) stand_on_wall(gauges, g, hc_wall_force_later(sweep, dt));
     pushed |= pushes_wall(gauges, g);
     if (gauge->type == HC_GAUGE_PRESSURE && !pushes_wall(gauges, g))
-      hc_measure_point_pressure(gauges, gauge, sweep->fluid, own);
+      hc_measure_point_pressure(gauges, g, sweep->fluid, own);
     if (gauge->type == HC_GAUGE_FLOW)
       hc_sum_add(own, (double)hc_measure_crossings(gauges, gauge, sweep->fluid, dt));
   }
@@ -160,8 +178,15 @@ void hc_gauges_note(hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_tall
 
 void hc_gauges_step(hc_gauges *gauges, double dt) {
   gauges->elapsed += dt;
-  for (int g = 0; g < gauges->scene->output.gauge_count; g++)
-    add_step(gauges, g, gauges->sums + gauges->state[g].first_sum, dt);
+  for (int g = 0; g < gauges->scene->output.gauge_count; g++) {
+    hc_gauge_state *const state = &gauges->state[g];
+    double integral[HC_GAUGE_COLUMNS] = {0.0};
+    integrate(gauges, g, dt, integral);
+    if (has_moving_mean(gauges, g))
+      hc_moving_mean_add(&state->moving, dt, integral);
+    else
+      for (int k = 0; k < HC_GAUGE_COLUMNS; k++) state->integral[k] += integral[k];
+  }
 }
 
 /* ---- readings of the moment ---- */
@@ -241,7 +266,7 @@ static void take_readings(const hc_gauges *gauges, const hc_particles *fluid, re
   if (heights) hc_heights_gather(gauges->comm, &r->marks);
 }
 
-/* A gauge's columns; begins its averages anew. */
+/* A gauge's columns; begins its averages since the last reading anew. */
 static void tell(hc_gauges *gauges, int g, const readings *r, double *values) {
   const hc_scene_gauge *gauge = &gauges->scene->output.gauges[g];
   hc_gauge_state *state = &gauges->state[g];
@@ -265,6 +290,10 @@ static void tell(hc_gauges *gauges, int g, const readings *r, double *values) {
   case HC_GAUGE_PRESSURE:
   case HC_GAUGE_FLOW:
   case HC_GAUGE_FORCE:
+    if (has_moving_mean(gauges, g)) {
+      hc_moving_mean_read(&state->moving, values);
+      break;
+    }
     for (int k = 0; k < columns_of(gauge->type); k++)
       values[k] = gauges->elapsed > 0.0 ? state->integral[k] / gauges->elapsed : 0.0;
     memset(state->integral, 0, sizeof state->integral);

@@ -6,7 +6,8 @@
  * - pressure: at a point in the fluid, the kernel's weighted mean of the particles around. With a wall: the
  *   push on the wall's samples around the point over their area, which is exact in the mean where the
  *   pressures of the layer next to a wall are not. With an axis too: only the samples of the face through the
- *   point count, and only the push along the axis, of fluid in front of it.
+ *   point count, and only the push along the axis, of fluid in front of it. The kernel ends at the gauge's
+ *   radius, by default the support radius.
  *   Where the wall moves, point and face go with it, and so does the point of a force's moment.
  * - flow: volume per time through a rectangle, counted particle by particle.
  * - force: force of pressure, contact and friction, and its moment, on a wall; the drag of a viscosity model
@@ -19,7 +20,8 @@
  * Boxes, rectangles and what is around a point are found through periodic images.
  *
  * Pressure, flow and force are means over the time since the last reading, step by step, so that no impulse
- * falls between two readings; the others are of the moment. All sums are exact, extremes need no order: the
+ * falls between two readings, or over the scene's mean_over, however often they are read (moving_mean.h); the
+ * others are of the moment. All sums are exact, extremes need no order: the
  * same values on any number of ranks. The averages under way are state of the run. */
 #ifndef HC_GAUGES_H
 #define HC_GAUGES_H
@@ -32,8 +34,11 @@ void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, con
                     const hc_movers *movers, double mass);
 void hc_gauges_free(hc_gauges *gauges);
 
+/* Registers the averages under way. Local. */
+void hc_gauges_register(hc_gauges *gauges, hc_state *state);
+
 /* Finds the samples of the walls that are measured, before the first step or reading. Boundary particles must
- * be with their owners. HC_BAD_INPUT, agreed, for a pressure on a wall that has no sample within a support
+ * be with their owners. HC_BAD_INPUT, agreed, for a pressure on a wall that has no sample within its
  * radius of the point. Collective. */
 hc_status hc_gauges_find_walls(hc_gauges *gauges, const hc_particles *boundary, hc_error *error);
 
@@ -49,7 +54,8 @@ void hc_gauges_note(hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_tall
 /* Once that is reduced, and the step counts: adds it to the averages. Local. */
 void hc_gauges_step(hc_gauges *gauges, double dt);
 
-/* The values of all columns, on every rank, and a new start for the averages. Collective: one reduction for
+/* The values of all columns, on every rank, and a new start for the averages since the last
+ * reading. Collective: one reduction for
  * all that is summed or a front, one gather for all heights. */
 void hc_gauges_read(hc_gauges *gauges, const hc_particles *fluid, double *values);
 

@@ -53,10 +53,10 @@ bool hc_measure_in_box(const hc_scene_gauge *gauge, const hc_frame *frame, const
   return true;
 }
 
-void hc_measure_point_pressure(const hc_gauges *gauges, const hc_scene_gauge *gauge,
-                               const hc_particles *fluid, hc_sum sums[2]) {
-  const double radius = gauges->frame->support_radius;
-  const hc_point at = hc_measure_point(gauges->frame, gauge->at);
+void hc_measure_point_pressure(const hc_gauges *gauges, int number, const hc_particles *fluid,
+                               hc_sum sums[2]) {
+  const double radius = gauges->state[number].radius;
+  const hc_point at = hc_measure_point(gauges->frame, gauges->scene->output.gauges[number].at);
   for (int32_t i = 0; i < fluid->own; i++) {
     double offset[3];
     hc_measure_offset(gauges->frame, &fluid->position[3 * (size_t)i], &at, offset);
@@ -95,9 +95,10 @@ static double dot(const double a[3], const double b[3]) {
 
 /* The weight of a wall's sample, `offset` from the gauge's point: those of a face lie half a spacing behind
  * it. */
-static double patch_weight(const hc_gauges *gauges, const double direction[3], const double offset[3]) {
+static double patch_weight(const hc_gauges *gauges, int number, const double direction[3],
+                           const double offset[3]) {
   if (fabs(dot(offset, direction)) > 0.75 * gauges->scene->particle_spacing) return 0.0;
-  return hc_kernel_shape(length(offset) / gauges->frame->support_radius);
+  return hc_kernel_shape(length(offset) / gauges->state[number].radius);
 }
 
 /* Those that stand still, or those that move: these are measured where the scene puts them. */
@@ -111,7 +112,7 @@ static void add_area(const hc_gauges *gauges, int number, const hc_particles *bo
     if ((int)boundary->motion[k].scalar != gauges->state[number].wall) continue;
     double offset[3];
     hc_measure_offset(gauges->frame, &places[3 * (size_t)k], &at, offset);
-    hc_sum_add(sum, spacing * spacing * patch_weight(gauges, direction, offset));
+    hc_sum_add(sum, spacing * spacing * patch_weight(gauges, number, direction, offset));
   }
 }
 
@@ -178,7 +179,7 @@ static void add_push(void *context, const hc_wall_push *push) {
     }
     const double *f = push->force;
     const bool force = gauge->type == HC_GAUGE_FORCE;
-    const double weight = force ? 1.0 : patch_weight(gauges, state->direction, arm);
+    const double weight = force ? 1.0 : patch_weight(gauges, g, state->direction, arm);
     if (weight == 0.0 || (!force && is_round_corner(gauges, state->direction, push))) continue;
     for (int axis = 0; axis < 3; axis++) {
       hc_sum_add(&to[axis], weight * f[axis]);

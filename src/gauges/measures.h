@@ -3,6 +3,7 @@
 #define HC_MEASURES_H
 
 #include "comm/comm.h"
+#include "moving_mean.h"
 #include "rigid/movers.h"
 #include "scene/scene.h"
 #include "space/frame.h"
@@ -13,6 +14,8 @@ enum { HC_GAUGE_COLUMNS = 6 }; /* the most that one gauge has */
 /* One gauge at work. */
 typedef struct hc_gauge_state {
   double integral[HC_GAUGE_COLUMNS]; /* of what is averaged, over the time since the last reading */
+  hc_moving_mean moving;             /* in place of it, if the scene says over what time */
+  double radius;                     /* pressure: of what counts around the point, m */
   double area;                       /* pressure on a wall: weighted area of the samples around, m2 */
   double at[3], direction[3]; /* the gauge's point, m, and its direction, of unit length, 0 if it has none:
                                  with its wall, where that has gone */
@@ -49,8 +52,8 @@ bool hc_measure_in_box(const hc_scene_gauge *gauge, const hc_frame *frame, const
                        double x[3]);
 
 /* sum p W and sum W over the fluid around the gauge's point. */
-void hc_measure_point_pressure(const hc_gauges *gauges, const hc_scene_gauge *gauge,
-                               const hc_particles *fluid, hc_sum sums[2]);
+void hc_measure_point_pressure(const hc_gauges *gauges, int number, const hc_particles *fluid,
+                               hc_sum sums[2]);
 
 /* The axis of a gauge, 0 to 2, and which way along it, 1 or -1; the axis is -1 without one. */
 int hc_measure_axis(const hc_scene_gauge *gauge, int *sign);

@@ -19,10 +19,7 @@ static const double SLOW_DISK = 50e6; /* bytes/s */
 void hc_job_register(hc_job *job) {
   hc_state *state = &job->simulation.state;
   hc_job_counts *counts = &job->counts;
-  hc_state_add(state, HC_TYPE_f64, 1, &job->gauges.elapsed, "gauges.elapsed");
-  for (int g = 0; g < job->scene->output.gauge_count; g++)
-    hc_state_add(state, HC_TYPE_f64, HC_GAUGE_COLUMNS, job->gauges.state[g].integral, "gauges.%d.integral",
-                 g);
+  hc_gauges_register(&job->gauges, state);
   hc_state_add(state, HC_TYPE_i64, 1, &counts->snapshots, "snapshots");
   hc_state_add(state, HC_TYPE_i64, 1, &counts->departed, "departed");
   hc_state_add(state, HC_TYPE_i64, 1, &counts->blocked, "blocked");

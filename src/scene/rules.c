@@ -317,9 +317,23 @@ static void complete_point(const hc_scene *scene, hc_scene_gauge *gauge, const h
   gauge->at[axis] = 0.0;
 }
 
+/* Any point of a wall's surface has a sample within a spacing. */
+static void check_radius(const hc_scene *scene, const hc_scene_gauge *gauge, const hc_given *given,
+                         hc_complaints *complaints) {
+  if (gauge->radius == 0.0 || gauge->radius >= scene->particle_spacing || hc_given_is_bad(given, "radius"))
+    return;
+  char radius[HC_PARAM_NUMBER_TEXT], spacing[HC_PARAM_NUMBER_TEXT];
+  hc_params_number_text(gauge->radius, radius);
+  hc_params_number_text(scene->particle_spacing, spacing);
+  hc_complaints_add(complaints, hc_given_place_of(given, "radius"),
+                    "%sradius must be >= particle_spacing, or 0 for the support radius, not %s < %s",
+                    given->prefix, radius, spacing);
+}
+
 static void check_gauge(hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
   hc_scene_gauge *gauge = &scene->output.gauges[index];
   if (!hc_given_is_bad(given, "at")) complete_point(scene, gauge, given, complaints);
+  check_radius(scene, gauge, given, complaints);
   for (int k = 0; k < 3 && !hc_given_is_bad(given, "box.min") && !hc_given_is_bad(given, "box.max"); k++)
     if (gauge->box.min[k] > gauge->box.max[k])
       hc_complaints_add(complaints, hc_given_place_of(given, "box.max"),

@@ -207,6 +207,8 @@ typedef struct hc_scene_gauge {
   double at[3];              /* height: x and y; pressure: the point; force: the moment's point */
   hc_box box;                /* front, energy, volume: only what is within; flow: the rectangle */
   char wall[HC_NAME_LENGTH]; /* pressure, force: the wall's name; pressure: may be empty */
+  double radius;             /* pressure: of what counts around the point, m; 0: the support radius */
+  double mean_over;          /* pressure, flow, force: s; 0: since the last row */
 } hc_scene_gauge;
 
 typedef enum hc_viscosity_model {

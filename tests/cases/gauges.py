@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 """Gauges where the world is not a box with z upward: periodic seams, other directions of gravity, moving walls, places
-that water comes to later; and the times of rows and snapshots."""
+that water comes to later; patches and times of any size; and the times of rows and snapshots."""
 
 import csv
 import itertools
 import json
+
+import numpy as np
 
 import case as c
 
@@ -77,7 +79,7 @@ output: {snapshots: {every: 0}, gauges_every: 0.5, gauges: [{name: q, type: flow
 
 def seams(case, _steps):
     """A wall pressure reads the same in the middle of a period, at its seam and in its corner; along two axes."""
-    most = 0.0
+    most, radii = 0.0, (0, 0.05, 0.2, 100)
     for up in (1, 2):
         axis = (up + 1) % 3
         periodic, period, high = [True] * 3, [0.3] * 3, [0.3] * 3
@@ -97,14 +99,100 @@ boundary: {{walls: [{{name: floor, plane: {{point: {middle}, normal: {normal}, s
 output:
   snapshots: {{every: 0}}
   gauges_every: 0.1
-  gauges: [{', '.join(f"{{name: {name}, type: pressure, wall: floor, axis: -{'xyz'[up]}, at: {at}}}" for name, at in places.items())}]
+  gauges: [{{name: push, type: force, wall: floor}}, {', '.join(
+      f"{{name: {name}_{k}, type: pressure, wall: floor, axis: -{'xyz'[up]}, at: {at}, radius: {radius}}}"
+      for name, at in places.items() for k, radius in enumerate(radii))}]
 """, up)
         last = readings(output)[-1]
-        for name in places:
-            close(f"pressure at the {name}, up {up}", last[name], last["middle"], 1e-3)
-            most = max(most, abs(last[name] / last["middle"] - 1))
-        close("pressure under 0.2 m of water", last["middle"], 1962, 0.03)
+        for name, (k, radius) in itertools.product(places, enumerate(radii)):
+            close(f"pressure at the {name}, up {up}, radius {radius}", last[f"{name}_{k}"], last[f"middle_{k}"], 1e-3)
+            most = max(most, abs(last[f"{name}_{k}"] / last[f"middle_{k}"] - 1))
+            close(f"pressure under 0.2 m of water, radius {radius}", last[f"{name}_{k}"], 1962, 0.03)
+        close("pressure on all of the floor", last["middle_3"], -last[f"push_f{'xyz'[up]}"] / 0.09, 1e-5)
     return f"at most {most:.1e} between places"
+
+
+def weight(q):
+    """The kernel's shape, the same as the solver's."""
+    return 2 * np.maximum(1 - q, 0)**3 - 8 * np.maximum(0.5 - q, 0)**3
+
+
+def radii(case, _steps):
+    """Water at rest by metres and by millimetres: patches of any size read what the samples in them bear."""
+    spacing, depth, worst = 0.05, 0.5, 0.0
+    for scale in (1, 1e-3):
+        sizes, heights = (1, 1.25, 2, 3, 8), (0.2, 0.31)
+        gauges = [f"{{name: w{k}_{size}, type: pressure, wall: tank, axis: +x, at: {[scale, 0.3 * scale, z * scale]}, radius: {size * spacing * scale}}}"
+                  for k, z in enumerate(heights) for size in sizes]
+        gauges += [f"{{name: f_{size}, type: pressure, at: {[0.5 * scale, 0.3 * scale, 0.25 * scale]}, radius: {size * spacing * scale}}}"
+                   for size in sizes[2:]]
+        gauges += [f"{{name: usual_{size}, type: pressure, {place}}}" for size, place in
+                   (("w", f"wall: tank, axis: +x, at: {[scale, 0.3 * scale, 0.2 * scale]}"), ("f", f"at: {[0.5 * scale, 0.3 * scale, 0.25 * scale]}"))]
+        output = run(case, f"radii_{scale}", f"""
+particle_spacing: {spacing * scale}
+end_time: {0.9 * scale**0.5}
+fluid: {{blocks: [{{box: {{min: [0, 0, 0], max: {[scale, 0.6 * scale, depth * scale]}}}}}]}}
+boundary: {{walls: [{{name: tank, box: {{min: [0, 0, 0], max: {[scale, 0.6 * scale, 0.8 * scale]}}}, open: [+z]}}]}}
+output: {{snapshots: {{every: 0}}, gauges_every: {0.45 * scale**0.5}, gauges: [{', '.join(gauges)}]}}
+""", 2)
+        last = readings(output)[-1]
+        y, z = np.meshgrid(spacing * (np.arange(12) + 0.5), spacing * (np.arange(16) + 0.5))
+        for (k, height), size in itertools.product(enumerate(heights), sizes[:-1]):
+            share = weight(np.sqrt((spacing / 2)**2 + (y - 0.3)**2 + (z - height)**2) / (size * spacing))
+            wanted = 9810 * scale * (share * np.maximum(depth - z, 0)).sum() / share.sum()
+            worst = max(worst, abs(last[f"w{k}_{size}"] / wanted - 1))
+            close(f"pressure on a wall, height {height}, radius {size} spacings, scale {scale}", last[f"w{k}_{size}"], wanted, 0.03)
+        for size in sizes[2:-1]:
+            close(f"pressure in water, radius {size} spacings, scale {scale}", last[f"f_{size}"], 9810 * scale * 0.25, 0.03)
+        c.expect(last["usual_w"] == last["w0_2"] and last["usual_f"] == last["f_2"], "the default is not the support radius")
+    c.expect(last["w0_8"] < 0.95 * last["w0_1"], "a wide patch near the floor does not reach up")
+    return f"within {100 * worst:.1f} % of the mean depth of their samples"
+
+
+def exact_mean(rows, name, over):
+    """Of a column with a row a step, each the mean over it: the mean over a time before each row, or since the start."""
+    times = np.array([row["time"] for row in rows])
+    sums = np.concatenate([[0], np.cumsum(np.diff(times) * [row[name] for row in rows[1:]])])
+    begin = np.maximum(times[1:] - over, 0)
+    return (sums[1:] - np.interp(begin, times, sums)) / (times[1:] - begin)
+
+
+def expect_moving_mean(rows, name, moving, over):
+    """The column `moving` is the mean of `name` over a time; exactly, but for the share that leaves it."""
+    wanted, found = exact_mean(rows, name, over), np.array([row[moving] for row in rows[1:]])
+    values = np.array([row[name] for row in rows[1:]])
+    leaving = (values.max() - values.min()) / 256 if over < rows[-1]["time"] else 0
+    most = leaving + 1e-9 * np.abs(values).max()
+    off = np.abs(found - wanted)
+    c.expect(off.max() <= most, f"{moving}: {found[off.argmax()]}, the mean of {name} over {over} s is {wanted[off.argmax()]}")
+    return off.max() / (values.max() - values.min())
+
+
+MEANS = {"P": ("type: pressure, wall: sill, axis: +x, at: [0.28, 0.1, 0.03]", "P"), "F": ("type: pressure, at: [0.1, 0.1, 0.05]", "F"),
+         "q": ("type: flow, axis: +x, box: {min: [0.23, -0.1, -0.1], max: [0.23, 0.3, 0.5]}", "q"),
+         "push": ("type: force, wall: sill", "push_fx")}
+
+
+def means(case, _steps):
+    """Moving means: those of the steps, whatever the rows; shorter than a step, longer than the run, and between."""
+    times, worst = (1e-5, 0.01, 0.1, 9), 0.0
+    gauges = [f"{{name: {name}, {what}}}" for name, (what, _) in MEANS.items()]
+    gauges += [f"{{name: {name}{k}, {what}, mean_over: {time}}}" for name, (what, _) in MEANS.items() for k, time in enumerate(times)]
+    outputs = [case.run("tests/cases/gauges.yaml", f"means_{every}", ranks, (f"output.gauges_every={every}", f"output.gauges=[{', '.join(gauges)}]"))
+               for every, ranks in ((0, 2), (0.03, 1), (99, 3))]
+    rows, fewer, last = map(readings, outputs)
+    c.expect(len(rows) > 100 and len(fewer) == 11 and len(last) == 2, f"{len(rows)}, {len(fewer)} and {len(last)} rows")
+    for (name, (_, column)), (k, time) in itertools.product(MEANS.items(), enumerate(times)):
+        moving = column.replace(name, f"{name}{k}", 1)
+        worst = max(worst, expect_moving_mean(rows, column, moving, time))
+        at = {row["time"]: row[moving] for row in rows}
+        for row in fewer + last:
+            c.expect(row[moving] == at[row["time"]], f"{moving} at {row['time']} s: {row[moving]} with fewer rows, not {at[row['time']]}")
+        if k == 0:
+            close(f"{moving}, shorter than a step", rows[-1][moving], rows[-1][column], 1e-9)
+        if k == 3:
+            close(f"{moving}, longer than the run", rows[-1][moving], last[-1][column], 1e-9)
+    return f"off by at most {worst:.1e} of the range, the same bits with any rows"
 
 
 def riding(case, _steps):
@@ -124,14 +212,17 @@ output:
   gauges_every: 0.2
   gauges:
     - {{name: end, type: pressure, wall: tank, axis: -x, at: [0, 0.15, 0.05]}}
+    - {{name: small, type: pressure, wall: tank, axis: -x, at: [0, 0.15, 0.05], radius: 0.05}}
+    - {{name: wide, type: pressure, wall: tank, axis: -x, at: [0, 0.15, 0.05], radius: 0.3}}
     - {{name: push, type: force, wall: tank, at: [0.15, 0.15, 0]}}
 """, 2)
         last = readings(output)[-1]
-        sensors[name], moments[name] = last["end"], max(abs(last["push_mx"]), abs(last["push_my"]))
-    for name, value in sensors.items():
-        close(f"a tank that goes {name}", value, sensors["rest"], 0.08)
+        sensors[name], moments[name] = [last["end"], last["small"], last["wide"]], max(abs(last["push_mx"]), abs(last["push_my"]))
+    for name, values in sensors.items():
+        for value, at_rest in zip(values, sensors["rest"]):
+            close(f"a tank that goes {name}", value, at_rest, 0.08)
         c.expect(moments[name] < 1, f"moment about the middle of a tank that goes {name}: {moments[name]} N m")
-    return ", ".join(f"{name} {value:.0f} Pa" for name, value in sensors.items())
+    return ", ".join(f"{name} {', '.join(f'{value:.0f}' for value in values)} Pa" for name, values in sensors.items())
 
 
 def upright(case, _steps):
@@ -225,4 +316,4 @@ output: {{snapshots: {{every: {every}}}, gauges_every: {every}, gauges: [{{name:
 
 
 if __name__ == "__main__":
-    c.main(__doc__, {"flows": flows, "seams": seams, "riding": riding, "upright": upright, "elsewhere": elsewhere, "times": times})
+    c.main(__doc__, {"flows": flows, "seams": seams, "radii": radii, "means": means, "riding": riding, "upright": upright, "elsewhere": elsewhere, "times": times})

@@ -23,7 +23,9 @@ output:
   gauges_every: 0.02
   gauges: [{name: front, type: front, axis: +x}, {name: push, type: force, wall: tank},
            {name: P, type: pressure, at: [1.5, 0.25, 0.2], wall: tank}, {name: q, type: flow, axis: +x,
-            box: {min: [0.7, 0, 0], max: [0.7, 0.5, 1.2]}}]
+            box: {min: [0.7, 0, 0], max: [0.7, 0.5, 1.2]}},
+           {name: lately, type: force, wall: tank, mean_over: 0.013}, {name: slowly, type: pressure, at: [1.5, 0.25, 0.2],
+            wall: tank, radius: 0.15, mean_over: 0.4}]
 """
 
 
@@ -140,7 +142,9 @@ def scenes(case, _):
     text = launch(case, scene, output, 2, ["--restart", "--set", "gravity=[0, 0, -9]", "--set", "boundary.walls[0].open=[+z]"], 2)
     expect("gravity: was [0, 0, -9.81], is [0, 0, -9]" in text and "boundary.walls[0].open: was [], is [+z]" in text, text)
     text = launch(case, scene, output, 1, ["--restart", "--set", "output.gauges=[]"], 2)
-    expect("output.gauges: was 4 items, is 0 items" in text, text)
+    expect("output.gauges: was 6 items, is 0 items" in text, text)
+    text = launch(case, scene, output, 1, ["--restart", "--set", "output.gauges[4].mean_over=0.02"], 2)
+    expect("output.gauges[4].mean_over: was 0.013, is 0.02" in text, text)
     expect(len(steps(output)) == 20, "a refused restart changed steps.csv")
     launch(case, scene, output, 3, ["--restart", "--set", "end_time=0.2", "--set", "output.snapshots.every=0.05",
                                     "--set", "parallel.rebalance=none"])

@@ -8,6 +8,7 @@ import re
 import subprocess
 
 import case as c
+import gauges
 
 # A block hits the floor; bounds of the density error so narrow that the impact needs several restarts.
 SCENE = """
@@ -22,7 +23,8 @@ solver: {method: pcisph, density_error_avg: 0.003}
 time_step: {control: adaptive, max: 0.02}
 output:
   snapshots: {every: 0.0002}
-  gauges: [{name: front, type: front, axis: +z}, {name: push, type: force, wall: tank}]
+  gauges: [{name: front, type: front, axis: +z}, {name: push, type: force, wall: tank},
+           {name: lately, type: force, wall: tank, mean_over: 0.01}, {name: ever, type: force, wall: tank, mean_over: 1}]
 """
 # As many shocks as wanted, where wanted, and no others.
 CALM = ("solver.density_error_max=9", "time_step.adaptive.shock.error_rise=8")
@@ -83,6 +85,8 @@ def shocks(case, _):
     c.expect(counts[0] >= 3 and counts[1] == counts[2], f"rollbacks, steps taken back, steps told of: {counts}")
     c.expect("restart 3" in log_of(one), "there should be an impact that needs three restarts")
     c.expect(expect_whole(other) == counts, "other counts on other ranks")
+    for name, time in (("lately", 0.01), ("ever", 1)):
+        gauges.expect_moving_mean(gauges.readings(one), "push_fz", f"{name}_fz", time)
     expect_same(case, one, other)
     lines = [line for line in log_of(one).splitlines() if ": shock: " in line]
     c.expect(all(re.search(r"rose by [\d.]+ %, more than 1.5 % \(25\); v_max .* back 2 steps to step \d+, t = .* restart "

@@ -194,8 +194,8 @@ static const char full[] =
     "  gauges:\n"
     "  - {name: a, type: front, axis: -y}\n"
     "  - {name: b, type: height, at: [1, 2]}\n"
-    "  - {name: c, type: pressure, at: [1, 2, 3]}\n"
-    "  - {name: d, type: pressure, at: [1, 2, 3], wall: post}\n"
+    "  - {name: c, type: pressure, at: [1, 2, 3], radius: 5}\n"
+    "  - {name: d, type: pressure, at: [1, 2, 3], wall: post, mean_over: 0.01}\n"
     "  - {name: e, type: flow, axis: +z, box: {min: [0, 0, 1], max: [2, 1, 1]}}\n"
     "  - {name: f, type: force, wall: wall_0, at: [1, 0, 0]}\n"
     "  - {name: g, type: energy, box: {min: [0, 0, 1], max: [2, 1, 1]}}\n"
@@ -288,6 +288,13 @@ START_TEST(test_gauges) {
                "35: output.gauges[0].at must be a list of 2 or 3 numbers, not a list of 1");
   refuse_gauge("name: a, type: pressure, at: [1, 2]",
                "35: output.gauges[0].at must be a list of 3 numbers, not a list of 2");
+  refuse_gauge("name: a, type: pressure, at: [1, 2, 3], radius: 0.001",
+               "54: output.gauges[0].radius must be >= particle_spacing, or 0 for the support radius, "
+               "not 0.001 < 0.02");
+  refuse_gauge("name: a, type: pressure, at: [1, 2, 3], mean_over: -1",
+               "57: output.gauges[0].mean_over must be >= 0, not '-1'");
+  refuse_gauge("name: a, type: height, at: [1, 2], mean_over: 1",
+               "52: output.gauges[0].mean_over is a key of pressure, flow, force, not of height");
   refuse_gauge("name: a, type: force, wall: tank",
                "34: output.gauges[0].wall must be the name of a wall of the scene, not 'tank'");
   refuse_gauge("name: a, type: volume, box: {min: [0, 0, 0], max: [1, -1, 1]}",
