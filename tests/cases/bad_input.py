@@ -225,15 +225,15 @@ SCENES = {
                       "gauge a measures nothing", "along x it is at 5"),
     "gauge off its wall": (added(f"boundary: {{walls: [{{name: bed, {WALL}}}]}}\noutput: {{gauges: [{{name: a, type: "
                                  "pressure, wall: bed, at: [0, 0, 0.39]}]}"), "gauge a measures nothing", "its wall reaches"),
-    "gauge smaller than a spacing": (added("output: {gauges: [{name: a, type: pressure, at: [0, 0, 0], radius: 0.05}]}"), "4:68",
-                                     "output.gauges[0].radius must be >= particle_spacing, or 0 for the support radius, "
+    "gauge smaller than a spacing": (added("output: {gauges: [{name: a, type: pressure, at: [0, 0, 0], radius: 0.05}]}"),
+                                     "4:68", "output.gauges[0].radius must be >= particle_spacing, or 0 for the support radius, "
                                      "not 0.05 < 0.1"),
-    "gauge of negative radius": (added("output: {gauges: [{name: a, type: pressure, at: [0, 0, 0], radius: -1}]}"), "4:68",
-                                 "output.gauges[0].radius must be >= 0, not '-1'"),
+    "gauge of negative radius": (added("output: {gauges: [{name: a, type: pressure, at: [0, 0, 0], radius: -1}]}"),
+                                 "4:68", "output.gauges[0].radius must be >= 0, not '-1'"),
     "radius of another gauge": (added("output: {gauges: [{name: a, type: volume, radius: 1}]}"), "4:51",
                                 "output.gauges[0].radius is a key of pressure, not of volume"),
-    "mean over less than nothing": (added("output: {gauges: [{name: a, type: pressure, at: [0, 0, 0], mean_over: -1}]}"), "4:71",
-                                    "output.gauges[0].mean_over must be >= 0, not '-1'"),
+    "mean over less than nothing": (added("output: {gauges: [{name: a, type: pressure, at: [0, 0, 0], mean_over: -1}]}"),
+                                    "4:71", "output.gauges[0].mean_over must be >= 0, not '-1'"),
     "mean of a moment": (added("output: {gauges: [{name: a, type: front, axis: +x, mean_over: 1}]}"), "4:63",
                          "output.gauges[0].mean_over is a key of pressure, flow, force, not of front"),
     "gauge of no wall": (added("output: {gauges: [{name: a, type: force, wall: bed}]}"), "the name of a wall of the scene"),

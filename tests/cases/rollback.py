@@ -246,8 +246,44 @@ def pulse(case, _):
     return f"force on the back over 4 ms, over that of the 0.2 s around: {found}"
 
 
+# Reference files: what is drawn, and what is wrong.
+GOOD_REFERENCE = "# by hand\ntime_s,front_m,push_fz,nobody_Pa\n0,0.9,-100,1\n\n# later\n0.05,0.8,,2\n0.1,0.7,-300,3\n"
+BROKEN_REFERENCES = {
+    "none.csv": (None, "No such file"),
+    "empty.csv": ("# nothing\n", "a line of names"),
+    "words.csv": ("time,front\n0,high\n", "'high'"),
+    "ragged.csv": ("# head\ntime,front\n0,1\n0.1\n", "line 4 must have 2 columns, not 1"),
+    "twice.csv": ("time,front,front\n0,1,2\n", "names of their own"),
+    "timeless.csv": ("time,front\n,1\n", "must have a time"),
+}
+
+
+def compare(output, plot):
+    """plot_run draws what was measured over the gauges, tells what it has no gauge for, and refuses broken files."""
+    def draw(code, *options):
+        done = subprocess.run(["/usr/bin/python3", *plot, *map(str, options)], stdout=subprocess.PIPE, check=False,
+                              stderr=subprocess.PIPE, text=True, timeout=120)
+        c.expect(done.returncode == code and "Traceback" not in done.stderr, f"plot_run {options}: {done.stderr}")
+        return done.stderr, (output / "gauges.png").read_bytes()
+
+    reference = output / "measured.csv"
+    reference.write_text(GOOD_REFERENCE, encoding="utf-8")
+    plain = (output / "gauges.png").read_bytes()
+    told, drawn = draw(0, "--reference", reference)
+    c.expect(f"{reference}: there is no gauge for nobody_Pa\n" in told and "front" not in told, f"plot_run tells: {told}")
+    told, away = draw(0, "--reference", reference, "--reference-shift", -7)
+    c.expect("its times, -7 to -6.9 s, are not the run's" in told, f"plot_run tells: {told}")
+    c.expect(away == plain != drawn, "the reference is not in the picture, or not shifted")
+    for name, (text, message) in BROKEN_REFERENCES.items():
+        broken = output / name
+        if text is not None:
+            broken.write_text(text, encoding="utf-8")
+        told, _ = draw(2, "--reference", reference, "--reference", broken)
+        c.expect(f"--reference {broken}: " in told and message in told, f"{name}: {told}")
+
+
 def plotted(case, _):
-    """plot_run draws the time step with its shocks, and pressures."""
+    """plot_run draws the time step with its shocks, pressures, and references over gauges."""
     output = case.folder / "drawn"
     launch(case, output, 2, ("output.snapshots.every=0.05",))
     plot = [str(c.SOURCE / "scripts/plot_run"), str(output), "--panels", "2"]
@@ -257,6 +293,7 @@ def plotted(case, _):
         for name in (wanted, "history.png", "time_step.png"):
             c.expect(done.returncode == 0 and f"{output / name}\n" in done.stdout, f"plot_run, {name}: {done.stdout}")
             c.expect((output / name).stat().st_size > 20000, f"{name} is nearly empty")
+    compare(output, plot)
     launch(case, output, 1, ("output.snapshots.every=0.05", "output.snapshots.fields=[velocity]"), ["--force", "--steps", 3])
     done = subprocess.run(["/usr/bin/python3", *plot, "--color", "pressure"], stdout=subprocess.PIPE, check=False,
                           stderr=subprocess.STDOUT, text=True, timeout=120)
