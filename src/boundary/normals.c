@@ -9,6 +9,7 @@ static const double AROUND = 1.25; /* spacings: where the faces are that meet at
 static const double BENT = 0.85;   /* cosine between normals below which there are two faces */
 static const double OFF = 0.4;     /* spacings: how far beyond the plane of a sample that other faces are */
 static const double ASKEW = 0.3;   /* cosine beyond which normals have something to do with each other */
+static const double LOWEST = 0.6;  /* spacings: how far ahead of a sample the foot of a face begins */
 
 /* A sample and another one of its wall, or of one that it meets. */
 typedef struct meeting {
@@ -72,29 +73,61 @@ static void free_normal(const hc_sweep *sweep, const hc_particles *boundary, con
   for (int axis = 0; axis < 3; axis++) normal[axis] = length > 0.1f ? normal[axis] / length : 0.0f;
 }
 
+/* Adds the normals of faces that stand on a sample's, as a box on a floor: there is the inner edge of both.
+ */
+static void add_feet(const hc_sweep *sweep, const hc_particles *boundary, const hc_neighbors *list, int32_t b,
+                     float normal[3]) {
+  const float *const n = boundary->facing[b].v;
+  const double reach = spacings(sweep, ROOM), low = spacings(sweep, LOWEST), flush = spacings(sweep, OFF);
+  const uint32_t *const row = hc_list_row(list, b);
+  float sum[3] = {n[0], n[1], n[2]};
+  bool any = false;
+  for (int32_t k = 0; k < hc_list_count(list, b); k++) {
+    const meeting m = meet(sweep, boundary, b, n, row[k]);
+    double along = 0.0; /* of the part of the other's normal that lies in the sample's face */
+    float part[3];
+    if (m.square > reach * reach || m.ahead < low || fabs(m.before + m.alike * m.ahead) > flush) continue;
+    for (int axis = 0; axis < 3; axis++) {
+      part[axis] = m.normal[axis] - (float)m.alike * n[axis];
+      along += (double)part[axis] * (double)sum[axis];
+    }
+    const double length = sqrt(fmax(0.0, 1.0 - m.alike * m.alike));
+    if (length < ASKEW || along > 0.0) continue; /* none, or there already */
+    for (int axis = 0; axis < 3; axis++) sum[axis] += part[axis] / (float)length;
+    any = true;
+  }
+  const float length = sqrtf(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+  for (int axis = 0; axis < 3 && any && length > 0.1f; axis++) normal[axis] = sum[axis] / length;
+}
+
 /* The weight of a sample's normal: where faces meet, ahead or behind of it, the root of how long the sum of
  * their normals is. So a lattice a spacing from the walls of a right edge or corner has the rest density to
- * half a percent, and a box displaces its volume. */
+ * half a percent, and a box displaces its volume. Negative where they meet ahead, in an inner edge. */
 static float count_faces(const hc_sweep *sweep, const hc_particles *boundary, const hc_neighbors *list,
                          int32_t b, const float normal[3]) {
   const double reach = spacings(sweep, AROUND), aside = spacings(sweep, OFF);
   const uint32_t *const row = hc_list_row(list, b);
   double least = 1.0;
+  bool inner = false;
   for (int32_t k = 0; k < hc_list_count(list, b); k++) {
     const meeting m = meet(sweep, boundary, b, normal, row[k]);
-    if (m.square < reach * reach && m.alike > ASKEW && m.alike < BENT && fabs(m.ahead) > aside)
-      least = fmin(least, m.alike);
+    if (m.square > reach * reach || m.alike <= ASKEW || m.alike >= BENT || fabs(m.ahead) <= aside) continue;
+    least = fmin(least, m.alike);
+    inner |= m.ahead > 0.0;
   }
-  return (float)sqrt(1.0 / least);
+  return (float)(inner ? -sqrt(1.0 / least) : sqrt(1.0 / least));
 }
 
 void hc_boundary_look_at_normals(const hc_sweep *sweep, hc_particles *boundary, const hc_neighbors *list) {
   for (int32_t b = 0; b < boundary->own; b++) {
     float *const normal = &boundary->normal[3 * (size_t)b];
     const bool thin = is_thin(sweep, boundary, list, b);
-    if (!thin && !boundary->reference_normal) free_normal(sweep, boundary, list, b, normal);
+    if (!thin && !boundary->reference_normal) {
+      free_normal(sweep, boundary, list, b, normal);
+      add_feet(sweep, boundary, list, b, normal);
+    }
     boundary->faces[b] = thin ? 0.0f : count_faces(sweep, boundary, list, b, normal);
-    if (boundary->reference_normal && boundary->faces[b] > 1.0f) boundary->faces[b] = 0.0f;
+    if (boundary->reference_normal && fabsf(boundary->faces[b]) > 1.0f) boundary->faces[b] = 0.0f;
   }
   for (int32_t b = 0; b < boundary->own; b++) {
     memcpy(boundary->facing[b].v, &boundary->normal[3 * (size_t)b], sizeof boundary->facing[b].v);

@@ -2,7 +2,8 @@
  * that belongs to a wall across which it goes, as what pushes the foot of a box on a floor down. So of each
  * particle what goes along faces is added up, to T, and so is what contact took, and shared out along
  * normals: F_b = w_b (n_b (n_b.l) + e l), with l such that they add up to T. w_b = 1 - r/h of the samples in
- * front of which the particle is. Where faces meet samples keep the force of their pairs. */
+ * front of which the particle is. At outer edges samples keep the force of their pairs; those of inner edges
+ * have no face of their own and keep nothing. */
 #include "wall_force.h"
 
 #include "sph/kernel.h"
@@ -43,7 +44,7 @@ static void find_squared(const hc_sweep *sweep, int32_t i, double sum[3]) {
     const pair pair = make_pair(sweep, i, offset[k]);
     const hc_record *const n = &sweep->boundary->facing[pair.b];
     const double weight = hc_kernel_shape(pair.q) * (double)sweep->kernel / (double)sweep->flat_wall *
-                          (double)sweep->boundary->place[pair.b].scalar * (double)n->scalar;
+                          (double)sweep->boundary->place[pair.b].scalar * fabs((double)n->scalar);
     for (int axis = 0; axis < 3; axis++) sum[axis] += weight * (double)n->v[axis];
   }
 }
@@ -57,7 +58,8 @@ static double strength(const hc_sweep *sweep, int32_t i, const pair *pair, const
   case HC_WALLS_MIRRORED: {
     const hc_record *const n = &boundary->facing[pair->b];
     double weight = 1.0, depth = 0.0;
-    if (sweep->flat_wall > 0.0f && n->scalar != 0.0f) weight = 2.0 * (double)n->scalar * along(n->v, squared);
+    if (sweep->flat_wall > 0.0f && n->scalar != 0.0f)
+      weight = 2.0 * fabs((double)n->scalar) * along(n->v, squared);
     if (touch) depth = -(double)sweep->rest_density * (double)sweep->support * along(touch->depth, pair->d);
     return ((double)fluid->pressure[i] * weight + depth) * (double)boundary->place[pair->b].scalar;
   }
@@ -114,6 +116,10 @@ static void pair_force(const pusher *p, const pair *pair, double force[3], doubl
   for (int axis = 0; axis < 3; axis++) {
     force[axis] = factor * pair->d[axis];
     aside[axis] = 0.0;
+  }
+  if (sweep->boundary->facing[pair->b].scalar < 0.0f) { /* an inner edge: all of it belongs to the faces */
+    memcpy(aside, force, 3 * sizeof *aside);
+    memset(force, 0, 3 * sizeof *force);
   }
   if (!is_face(sweep, pair->b)) return;
   const float *const n = sweep->boundary->facing[pair->b].v;

@@ -244,9 +244,9 @@ HC_INLINE void sum_plain_walls(const hc_sweep *sweep, hc_selection selection, in
 }
 
 /* The same where the density goes with the square: with N = sum V_b W n_b, n_b the normals times their
- * weights (facing and its scalar), and the share D_0 of a flat wall a spacing away, D_w = N.N/D_0, so that
- * grad D_w = 2/D_0 sum V_b (n_b.N) grad W. Samples of walls too thin for normals (scalar 0) count by their
- * volumes as above. */
+ * weights (facing and its scalar's magnitude), and the share D_0 of a flat wall a spacing away, D_w =
+ * N.N/D_0, so that grad D_w = 2/D_0 sum V_b (n_b.N) grad W. Samples of walls too thin for normals (scalar 0)
+ * count by their volumes as above. */
 HC_INLINE void sum_squared_walls(const hc_sweep *sweep, hc_selection selection, int32_t first,
                                  const block_rows *rows, block_walls *walls) {
   block_sums plain, plain_rates;
@@ -266,7 +266,7 @@ HC_INLINE void sum_squared_walls(const hc_sweep *sweep, hc_selection selection, 
         const hc_float all = hc_keep(p.scalar, row.count - at);
         hc_float faces, unused;
         const vector n = load_velocity(sweep->boundary->facing, row.offset + at, &faces);
-        const hc_float volume = all * faces, shape = kernel(p.q);
+        const hc_float volume = all * hc_max(faces, -faces), shape = kernel(p.q);
         const hc_float of_thin = (hc_float)((hc_int)all & (faces == hc_set(0.0f)));
         add_scaled(&normal, part, volume * shape, &n);
         density.part[part] = hc_fma(of_thin, shape, density.part[part]);
