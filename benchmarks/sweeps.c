@@ -85,6 +85,12 @@ static void run_laminar(hc_world *world) {
   world->sweeps->laminar(&world->sweep, 1e-6f, change, hc_select_all(world->fluid));
 }
 
+static void run_smagorinsky(hc_world *world) {
+  const hc_eddies eddies = hc_eddies_of(1e-6, 0.003, (double)world->sweep.support, 1e-3);
+  float *change = hc_particles_scratch(world->fluid, 3 * sizeof *change);
+  world->sweeps->smagorinsky(&world->sweep, &eddies, change, hc_select_all(world->fluid));
+}
+
 /* STREAM triad (McCalpin 1995): bytes moved per second as STREAM counts them. */
 static double triad(void) {
   double *a = hc_alloc(TRIAD_LENGTH, sizeof *a), *b = hc_alloc(TRIAD_LENGTH, sizeof *b),
@@ -152,6 +158,7 @@ int main(int argc, char **argv) {
   bench("S3 pressure", run_pressure, world, repeats);
   bench("XSPH", run_xsph, world, repeats);
   bench("laminar viscosity", run_laminar, world, repeats);
+  bench("eddy viscosity", run_smagorinsky, world, repeats);
   hc_simulation_free(&simulation);
   hc_comm_finish(&comm);
   return 0;

@@ -9,8 +9,9 @@
 typedef struct viscous_self {
   vector velocity;
   hc_float inverse_density;
-  vector normal;     /* of the wall, of unit length or zero */
-  hc_float distance; /* from walls of frozen fluid, in support radii */
+  vector normal;                           /* of the wall, of unit length or zero */
+  hc_float distance;                       /* from walls of frozen fluid, in support radii */
+  hc_float molecular, eddies, most_eddies; /* see hc_eddies; the same for all */
 } viscous_self;
 
 /* Adds one pair's viscous force. `volume` is the neighbours', 0 in lanes to drop. */
@@ -27,6 +28,15 @@ HC_INLINE void pair_laminar(vector_sums *sum, int part, const viscous_self *own,
   (void)own, (void)inverse_density;
   /* x . grad W/(r^2 + 0.01 (h/2)^2) = q^2 (W'(q)/q)/(q^2 + 0.0025) / h^2 */
   add_scaled(sum, part, volume * slope_over_q(p->q) * p->q2 / (p->q2 + hc_set(GUARD)), relative);
+}
+
+HC_INLINE void pair_smagorinsky(vector_sums *sum, int part, const viscous_self *own, const pair *p,
+                                const vector *relative, hc_float volume, hc_float inverse_density) {
+  (void)inverse_density;
+  const hc_float inverse = hc_set(1.0f) / (p->q2 + hc_set(GUARD)), v2 = dot(relative, relative);
+  const hc_float eddies = hc_min(own->eddies * hc_sqrt(v2 * inverse), own->most_eddies);
+  add_scaled(sum, part, volume * slope_over_q(p->q) * (p->q2 * inverse) * (own->molecular + eddies),
+             relative);
 }
 
 HC_INLINE void pair_artificial(vector_sums *sum, int part, const viscous_self *own, const pair *p,
@@ -93,7 +103,7 @@ typedef enum wall_part { NO_WALLS, AS_PARTICLES, NO_SLIP } wall_part;
 typedef enum change_mode { SET_CHANGE, ADD_CHANGE } change_mode;
 
 HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls_are, change_mode mode,
-                       float weight, float *change, hc_selection selection) {
+                       const hc_eddies *eddies, float weight, float *change, hc_selection selection) {
   const hc_particles *fluid = sweep->fluid;
   expect_ready(fluid, HC_WHOLE(place) | HC_WHOLE(motion) | HC_SCALAR(motion), fluid, selection);
   expect_walls(sweep);
@@ -113,7 +123,10 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
       viscous_self state = {.velocity = spread_velocity(&fluid->motion[i]),
                             .inverse_density = hc_set(fluid->motion[i].scalar),
                             .normal = {hc_set(0.0f), hc_set(0.0f), hc_set(0.0f)},
-                            .distance = hc_set(0.0f)};
+                            .distance = hc_set(0.0f),
+                            .molecular = hc_set(eddies->molecular),
+                            .eddies = hc_set(eddies->scale),
+                            .most_eddies = hc_set(eddies->most)};
       if (walls_take_part && !frozen) state.normal = wall_normal(&fluid->wall_gradient[3 * (size_t)i]);
       if (frozen) state.distance = hc_set(distance_from_walls(sweep, i, walls.offset, walls.count));
       vector_sums sum = no_sums();
@@ -161,23 +174,33 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
   }
 }
 
+static const hc_eddies no_eddies = {0};
+
 void HC_ISA_SYMBOL(hc_xsph)(const hc_sweep *sweep, float weight, float *change, hc_selection selection) {
-  viscous(sweep, pair_xsph, NO_WALLS, SET_CHANGE, -0.5f * weight * sweep->kernel, change, selection);
+  viscous(sweep, pair_xsph, NO_WALLS, SET_CHANGE, &no_eddies, -0.5f * weight * sweep->kernel, change,
+          selection);
 }
 
 void HC_ISA_SYMBOL(hc_laminar)(const hc_sweep *sweep, float weight, float *change, hc_selection selection) {
-  viscous(sweep, pair_laminar, NO_SLIP, SET_CHANGE, 2.0f * weight * sweep->gradient / sweep->support, change,
-          selection);
+  viscous(sweep, pair_laminar, NO_SLIP, SET_CHANGE, &no_eddies,
+          2.0f * weight * sweep->gradient / sweep->support, change, selection);
+}
+
+/* nu dt comes in squares of the support radius: two lengths of grad W / r are in it, the kernel's constant is
+ * left. */
+void HC_ISA_SYMBOL(hc_smagorinsky)(const hc_sweep *sweep, const hc_eddies *eddies, float *change,
+                                   hc_selection selection) {
+  viscous(sweep, pair_smagorinsky, NO_WALLS, SET_CHANGE, eddies, 2.0f * sweep->kernel, change, selection);
 }
 
 void HC_ISA_SYMBOL(hc_artificial)(const hc_sweep *sweep, float weight, float *change,
                                   hc_selection selection) {
-  viscous(sweep, pair_artificial, AS_PARTICLES, SET_CHANGE, weight * sweep->gradient / sweep->support, change,
-          selection);
+  viscous(sweep, pair_artificial, AS_PARTICLES, SET_CHANGE, &no_eddies,
+          weight * sweep->gradient / sweep->support, change, selection);
 }
 
 void HC_ISA_SYMBOL(hc_cohesion)(const hc_sweep *sweep, float weight, float *change, hc_selection selection) {
   const float scale =
       -weight * sweep->kernel * sweep->support / sweep->volume; /* pairs are weighed with it */
-  viscous(sweep, pair_cohesion, NO_WALLS, ADD_CHANGE, scale, change, selection);
+  viscous(sweep, pair_cohesion, NO_WALLS, ADD_CHANGE, &no_eddies, scale, change, selection);
 }

@@ -124,6 +124,10 @@ HC_INLINE vector direction(const pair *p) {
   return (vector){p->x, p->y, p->z};
 }
 
+HC_INLINE hc_float dot(const vector *a, const vector *b) {
+  return hc_fma(a->z, b->z, hc_fma(a->y, b->y, a->x * b->x));
+}
+
 HC_INLINE hc_float dot_pair(const vector *v, const pair *p) {
   return hc_fma(v->z, p->z, hc_fma(v->y, p->y, v->x * p->x));
 }
@@ -387,6 +391,8 @@ HC_INLINE void sum_pressure_gradients(const hc_sweep *sweep, hc_selection select
 typedef void hc_force_sweep(const hc_sweep *sweep, float weight, float *change, hc_selection selection);
 hc_force_sweep HC_ISA_SYMBOL(hc_xsph), HC_ISA_SYMBOL(hc_laminar), HC_ISA_SYMBOL(hc_artificial),
     HC_ISA_SYMBOL(hc_cohesion);
+void HC_ISA_SYMBOL(hc_smagorinsky)(const hc_sweep *sweep, const hc_eddies *eddies, float *change,
+                                   hc_selection selection);
 void HC_ISA_SYMBOL(hc_wall_layer)(const hc_sweep *sweep, const hc_touch *touches, int32_t count,
                                   hc_wall_around *around);
 typedef void hc_prediction_sweep(const hc_sweep *sweep, const hc_prediction *prediction,

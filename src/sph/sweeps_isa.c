@@ -181,6 +181,7 @@ const hc_sweeps *HC_ISA_SYMBOL(hc_sweeps)(void) {
                                    .pressure = pressure,
                                    .xsph = HC_ISA_SYMBOL(hc_xsph),
                                    .laminar = HC_ISA_SYMBOL(hc_laminar),
+                                   .smagorinsky = HC_ISA_SYMBOL(hc_smagorinsky),
                                    .artificial = HC_ISA_SYMBOL(hc_artificial),
                                    .cohesion = HC_ISA_SYMBOL(hc_cohesion),
                                    .wall_layer = HC_ISA_SYMBOL(hc_wall_layer),

@@ -18,6 +18,7 @@ typedef enum sweep_id {
   PRESSURE,
   XSPH,
   LAMINAR,
+  SMAGORINSKY,
   ARTIFICIAL,
   COHESION,
   PREDICTED_DENSITY,
@@ -112,6 +113,10 @@ static hc_error_total run(bench *b, hc_isa isa, sweep_id id, hc_selection select
     break;
   case LAMINAR:
     sweeps->laminar(sweep, 3e-5f, b->change, selection);
+    break;
+  case SMAGORINSKY:
+    sweeps->smagorinsky(sweep, &(hc_eddies){.molecular = 0.002f, .scale = 0.005f, .most = 0.011f}, b->change,
+                        selection);
     break;
   case ARTIFICIAL:
     sweeps->artificial(sweep, 2e-4f, b->change, selection);
@@ -410,6 +415,7 @@ static const struct reads {
     [PRESSURE] = {HC_WHOLE(place) | HC_SCALAR(place), false},
     [XSPH] = {HC_WHOLE(place) | HC_WHOLE(motion) | HC_SCALAR(motion), false},
     [LAMINAR] = {HC_WHOLE(place) | HC_WHOLE(motion), true},
+    [SMAGORINSKY] = {HC_WHOLE(place) | HC_WHOLE(motion), false},
     [ARTIFICIAL] = {HC_WHOLE(place) | HC_WHOLE(motion), true},
     [COHESION] = {HC_WHOLE(place), false},
     [PREDICTED_DENSITY] = {HC_WHOLE(place), true},

@@ -37,7 +37,7 @@ static void add_term(scaled_vec *sum, double factor, vec a) {
 typedef struct expected {
   double relative_density, wall_density, inverse_alpha, inverse_alpha_scale;
   scaled rate;
-  scaled_vec wall_gradient, pressure, xsph, laminar, artificial, cohesion;
+  scaled_vec wall_gradient, pressure, xsph, laminar, smagorinsky, artificial, cohesion;
 } expected;
 
 static double relative_density(const setting *s, int32_t i) {
@@ -49,7 +49,8 @@ static double relative_density(const setting *s, int32_t i) {
   return sum;
 }
 
-static const double *densities; /* of all particles */
+static const double *densities;                                                         /* of all particles */
+static const hc_eddies EDDIES = {.molecular = 0.002f, .scale = 0.005f, .most = 0.011f}; /* some at the most */
 
 static expected expect(const setting *s, int32_t i) {
   expected e;
@@ -73,6 +74,8 @@ static expected expect(const setting *s, int32_t i) {
     e.pressure.scale += VOLUME * (fabs(ki) + fabs(kj)) * norm(g);
     add_term(&e.xsph, -VOLUME * (1 / densities[i] + 1 / densities[j]) / 2 * kernel(r), v);
     add_term(&e.laminar, VOLUME * 2 * dot(x, g) / soft, v);
+    const double eddies = fmin((double)EDDIES.scale * norm(v) * H / sqrt(soft), (double)EDDIES.most);
+    add_term(&e.smagorinsky, VOLUME * 2 * dot(x, g) / soft * ((double)EDDIES.molecular + eddies) * H * H, v);
     add_term(&e.cohesion, -kernel(r), x);
     add_term(&e.artificial, VOLUME * fmin(0, dot(v, x)) / soft, g);
     e.artificial.scale += VOLUME * norm(v) * r / soft * norm(g);
@@ -117,7 +120,8 @@ typedef struct found {
       wall_gradient[MOST][3], kappa[2][MOST];
   hc_sum total[2];
   float max[2];
-  float xsph[MOST][3], laminar[MOST][3], artificial[MOST][3], tense[MOST][3]; /* tense: cohesion on xsph */
+  float xsph[MOST][3], laminar[MOST][3], smagorinsky[MOST][3], artificial[MOST][3],
+      tense[MOST][3]; /* cohesion on xsph */
   double velocity[MOST][3];
   float moved[MOST][3], multiplier[MOST];
 } found;
@@ -144,6 +148,7 @@ static void run_all(setting *s, hc_isa isa, const int32_t *cuts, int ranges, fou
   for (int r = 0; r < ranges; r++) {
     sweeps->xsph(&s->sweep, XSPH, &f->xsph[0][0], hc_select_range(cuts[r], cuts[r + 1]));
     sweeps->laminar(&s->sweep, LAMINAR, &f->laminar[0][0], hc_select_range(cuts[r], cuts[r + 1]));
+    sweeps->smagorinsky(&s->sweep, &EDDIES, &f->smagorinsky[0][0], hc_select_range(cuts[r], cuts[r + 1]));
     sweeps->xsph(&s->sweep, XSPH, &f->tense[0][0], hc_select_range(cuts[r], cuts[r + 1]));
     sweeps->cohesion(&s->sweep, COHESION, &f->tense[0][0], hc_select_range(cuts[r], cuts[r + 1]));
     sweeps->artificial(&s->sweep, ARTIFICIAL, &f->artificial[0][0], hc_select_range(cuts[r], cuts[r + 1]));
@@ -211,6 +216,7 @@ static void check_found(const setting *s, const found *f, const expected *all, c
       ck_assert(e->inverse_alpha < 2e-5 / (H * H));
     ck_assert_msg(near_vec(f->xsph[i], XSPH, &e->xsph, 0), "%s: xsph", isa);
     ck_assert_msg(near_vec(f->laminar[i], LAMINAR, &e->laminar, 0), "%s: laminar", isa);
+    ck_assert_msg(near_vec(f->smagorinsky[i], 1, &e->smagorinsky, 0), "%s: smagorinsky", isa);
     const float added[3] = {f->tense[i][0] - f->xsph[i][0], f->tense[i][1] - f->xsph[i][1],
                             f->tense[i][2] - f->xsph[i][2]};
     const double rounding = TOLERANCE * XSPH * e->xsph.scale;
@@ -329,17 +335,17 @@ START_TEST(pair_forces_conserve_momentum) {
   const int32_t cuts[2] = {0, 600};
   for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
     run_all(&s, (hc_isa)isa, cuts, 1, f);
-    double change[4][3] = {{0}}, magnitude[4] = {0};
+    double change[5][3] = {{0}}, magnitude[5] = {0};
     for (int32_t i = 0; i < 600; i++)
       for (int axis = 0; axis < 3; axis++) {
-        const double all[4] = {f->velocity[i][axis] - velocity_of(s.fluid.id[i], axis), f->xsph[i][axis],
-                               f->laminar[i][axis], f->artificial[i][axis]};
-        for (int k = 0; k < 4; k++) {
+        const double all[5] = {f->velocity[i][axis] - velocity_of(s.fluid.id[i], axis), f->xsph[i][axis],
+                               f->laminar[i][axis], f->artificial[i][axis], f->smagorinsky[i][axis]};
+        for (int k = 0; k < 5; k++) {
           change[k][axis] += all[k];
           magnitude[k] += fabs(all[k]);
         }
       }
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 5; k++) {
       ck_assert_double_gt(magnitude[k], 0);
       for (int axis = 0; axis < 3; axis++)
         ck_assert_msg(fabs(change[k][axis]) < 1e-6 * magnitude[k], "%s, force %d: %g of %g",
@@ -348,6 +354,71 @@ START_TEST(pair_forces_conserve_momentum) {
   }
   hc_free(f);
   setting_free(&s);
+}
+END_TEST
+
+/* A lattice two spacings to the support, shaken, each particle going against its nearest neighbours: what a
+ * step of eddies that is too strong turns round. */
+static void make_shaken_lattice(setting *s) {
+  enum { EDGE = 9 };
+  setting_init(s, 1.0);
+  hc_particles_resize(&s->fluid, EDGE * EDGE * EDGE);
+  for (int k = 0; k < EDGE * EDGE * EDGE; k++) {
+    const int at[3] = {k % EDGE, k / EDGE % EDGE, k / EDGE / EDGE};
+    for (int axis = 0; axis < 3; axis++)
+      s->fluid.position[3 * k + axis] =
+          (int64_t)((at[axis] + 0.2 * random_number((uint64_t)(3 * k + axis))) * (double)HC_CELL_UNITS / 2);
+  }
+  settle(s);
+  for (int32_t i = 0; i < s->fluid.own; i++) {
+    const int k = (int)s->fluid.id[i], parity = k % EDGE + k / EDGE % EDGE + k / EDGE / EDGE;
+    for (int axis = 0; axis < 3; axis++)
+      s->fluid.motion[i].v[axis] = (parity % 2 ? -1.0f : 1.0f) * (float)(axis + 1);
+  }
+}
+
+START_TEST(eddies_take_no_energy_back) {
+  static const double viscosity[] = {0, 1e-6, 0.01}, length[] = {0.003, 0.04}, dt[] = {1e-6, 1e-3, 1e3};
+  setting s;
+  make_shaken_lattice(&s);
+  float(*change)[3] = hc_alloc((size_t)s.fluid.own, sizeof *change);
+  for (int c = 0; c < 3 * 2 * 3; c++) {
+    const int step = c / 6;
+    if (viscosity[c % 3] * dt[step] > H * H / 32) continue; /* longer than what the step control takes */
+    const hc_eddies eddies = hc_eddies_of(viscosity[c % 3], length[c / 3 % 2], H, dt[step]);
+    for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+      double before = 0, after = 0;
+      hc_sweeps_of((hc_isa)isa)->smagorinsky(&s.sweep, &eddies, change[0], hc_select_all(&s.fluid));
+      for (int32_t i = 0; i < s.fluid.own; i++)
+        for (int axis = 0; axis < 3; axis++) {
+          const double v = (double)s.fluid.motion[i].v[axis];
+          before += v * v;
+          after += (v + (double)change[i][axis]) * (v + (double)change[i][axis]);
+        }
+      ck_assert_msg(after < before, "%s: %g s, length %g: energy %g from %g", hc_isa_name((hc_isa)isa),
+                    dt[step], length[c / 3 % 2], after, before);
+    }
+  }
+  hc_free(change);
+  setting_free(&s);
+}
+END_TEST
+
+START_TEST(eddies_of_a_step) {
+  const hc_eddies usual = hc_eddies_of(1e-3, 0.003, 0.04, 0.002);
+  ck_assert_double_eq_tol(usual.molecular, 1e-3 * 0.002 / 0.0016, 1e-9);
+  ck_assert_double_eq_tol(usual.scale, 0.003 * 0.003 * 0.002 / (0.04 * 0.04 * 0.04), 1e-9);
+  ck_assert_double_eq_tol(usual.most, 0.04 - usual.molecular, 1e-8);
+  ck_assert(hc_eddies_of(1, 0.003, 0.04, 0.002).most == 0.0f); /* a step that is too long anyway */
+  /* the same at any scale of lengths and times */
+  const double lengths[] = {1e-9, 1e9}, times[] = {1e-12, 1e6};
+  for (int k = 0; k < 2; k++) {
+    const double l = lengths[k], t = times[k];
+    const hc_eddies other = hc_eddies_of(1e-3 * l * l / t, 0.003 * l, 0.04 * l, 0.002 * t);
+    ck_assert_double_eq_tol(other.molecular / usual.molecular, 1, 1e-6);
+    ck_assert_double_eq_tol(other.scale * (l / t) / usual.scale, 1, 1e-6); /* times a speed */
+    ck_assert_double_eq_tol(other.most / usual.most, 1, 1e-6);
+  }
 }
 END_TEST
 
@@ -526,6 +597,9 @@ START_TEST(a_particle_alone_has_its_own_density) {
     float change[3] = {1, 1, 1};
     sweeps->laminar(&s.sweep, 1, change, hc_select_range(0, 1));
     ck_assert(change[0] == 0 && change[1] == 0 && change[2] == 0);
+    change[0] = 1;
+    sweeps->smagorinsky(&s.sweep, &EDDIES, change, hc_select_range(0, 1));
+    ck_assert(change[0] == 0 && change[1] == 0 && change[2] == 0);
   }
   setting_free(&s);
 }
@@ -651,6 +725,8 @@ int main(void) {
   tcase_add_test(cases, ranges_make_no_difference);
   tcase_add_test(cases, vector_lengths_give_the_same_bits);
   tcase_add_test(cases, pair_forces_conserve_momentum);
+  tcase_add_test(cases, eddies_take_no_energy_back);
+  tcase_add_test(cases, eddies_of_a_step);
   tcase_add_test(cases, errors_follow_from_rates_to_the_bit);
   tcase_add_test(cases, error_totals_become_exact_sums);
   tcase_add_test(cases, a_bad_velocity_shows_in_the_total);
