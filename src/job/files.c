@@ -96,7 +96,7 @@ void hc_job_log_start(hc_job *job) {
                 "to the same bits",
                 then, now);
   if (job->changed && *job->changed) hc_log_info(&job->log, "changed since then: %s", job->changed);
-  static const char *const viscosities[] = {"none", "xsph", "artificial", "laminar"};
+  static const char *const viscosities[] = {"none", "xsph", "artificial", "laminar", "smagorinsky"};
   char factor[48] = "";
   if (world->boundary_ops->walls == HC_WALLS_MIRRORED)
     snprintf(factor, sizeof factor, " with volume factor %.6g", world->volume_factor);

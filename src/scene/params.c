@@ -12,6 +12,7 @@ static const hc_choice viscosity_models[] = {{"none", HC_VISCOSITY_NONE},
                                              {"xsph", HC_VISCOSITY_XSPH},
                                              {"artificial", HC_VISCOSITY_ARTIFICIAL},
                                              {"laminar", HC_VISCOSITY_LAMINAR},
+                                             {"smagorinsky", HC_VISCOSITY_SMAGORINSKY},
                                              {NULL, 0}};
 static const hc_choice flow_types[] = {{"none", HC_FLOW_NONE},
                                        {"taylor_green", HC_FLOW_TAYLOR_GREEN},

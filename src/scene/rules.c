@@ -214,6 +214,22 @@ static void check_wall(hc_scene *scene, int index, const hc_given *given, hc_com
   if (!hc_given_has(given, "name")) snprintf(wall->name, sizeof wall->name, "wall_%d", index);
 }
 
+/* The default of the coefficient and its upper end go by the model. */
+static void complete_viscosity(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  static const double MOST_SPACINGS = 1.0, USUAL = 0.15;
+  const char *const key = "fluid.viscosity.coefficient";
+  double *const coefficient = &scene->fluid.viscosity.coefficient;
+  if (scene->fluid.viscosity.model != HC_VISCOSITY_SMAGORINSKY || hc_given_is_bad(given, key) ||
+      hc_given_is_bad(given, "fluid.viscosity.model"))
+    return;
+  if (!hc_given_has(given, key)) *coefficient = USUAL;
+  if (*coefficient <= MOST_SPACINGS) return;
+  char text[HC_PARAM_NUMBER_TEXT];
+  hc_params_number_text(*coefficient, text);
+  hc_complaints_add(complaints, hc_given_place_of(given, key),
+                    "%s must be in [0, 1] with model smagorinsky, not %s", key, text);
+}
+
 /* The friction of walls, by what the scene says and else by what goes with its viscosity. */
 static void complete_friction(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
   const bool laminar = scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR;
@@ -393,6 +409,7 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
   for (int k = 0; k < walls->item_count; k++)
     if (!walls->items[k].bad) check_wall(scene, k, &walls->items[k], complaints);
   check_wall_names(scene, walls, complaints);
+  complete_viscosity(scene, given, complaints);
   complete_friction(scene, given, complaints);
   const hc_given_value *gauges = hc_given_value_of(given, "output.gauges");
   for (int k = 0; k < gauges->item_count; k++)

@@ -216,6 +216,7 @@ typedef enum hc_viscosity_model {
   HC_VISCOSITY_XSPH,       /* coefficient: dimensionless */
   HC_VISCOSITY_ARTIFICIAL, /* coefficient: alpha of Monaghan 1992; sound_speed */
   HC_VISCOSITY_LAMINAR,    /* coefficient: kinematic viscosity, m2/s */
+  HC_VISCOSITY_SMAGORINSKY /* coefficient: C_s, the mixing length in spacings */
 } hc_viscosity_model;
 
 typedef enum hc_tension_model { HC_TENSION_NONE, HC_TENSION_BECKER2007 } hc_tension_model;
@@ -280,7 +281,7 @@ typedef struct hc_scene {
 
   struct {
     double rest_density;
-    double kinematic_viscosity; /* m2/s: what friction at walls goes by */
+    double kinematic_viscosity; /* m2/s: what friction at walls and smagorinsky go by */
     struct {
       hc_viscosity_model model;
       double coefficient;

@@ -112,6 +112,8 @@ double hc_setup_sound_speed(const hc_scene *scene) {
 double hc_setup_kinematic_viscosity(const hc_scene *scene) {
   const double coefficient = scene->fluid.viscosity.coefficient;
   if (scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR) return coefficient;
+  if (scene->fluid.viscosity.model == HC_VISCOSITY_SMAGORINSKY)
+    return scene->fluid.kinematic_viscosity; /* of eddies a step takes no more than it bears */
   /* artificial: what it amounts to in three dimensions, alpha h c / 10 (Monaghan 2005) */
   return 0.1 * coefficient * scene->support_radius * hc_setup_sound_speed(scene);
 }

@@ -19,6 +19,8 @@ static hc_viscous_force viscosity_of(hc_viscosity_model model) {
     return HC_VISCOUS_ARTIFICIAL;
   case HC_VISCOSITY_LAMINAR:
     return HC_VISCOUS_LAMINAR;
+  case HC_VISCOSITY_SMAGORINSKY:
+    return HC_VISCOUS_SMAGORINSKY;
   }
   return HC_VISCOUS_NONE;
 }
@@ -28,7 +30,8 @@ static hc_solver_settings common_settings(const hc_scene *scene) {
                                .viscosity = viscosity_of(scene->fluid.viscosity.model),
                                .viscosity_coefficient = scene->fluid.viscosity.coefficient,
                                .sound_speed = hc_setup_sound_speed(scene),
-                               .wall_viscosity = scene->fluid.kinematic_viscosity,
+                               .mixing_length = scene->fluid.viscosity.coefficient * scene->particle_spacing,
+                               .kinematic_viscosity = scene->fluid.kinematic_viscosity,
                                .depth_pressure = scene->boundary.depth_pressure &&
                                                  scene->boundary.method == HC_BOUNDARY_AKINCI2012,
                                .negative_pressure = scene->solver.negative_pressure};

@@ -29,6 +29,11 @@ static void viscous_change(hc_world *world, const hc_solver_settings *settings, 
   case HC_VISCOUS_LAMINAR:
     world->sweeps->laminar(sweep, (float)(coefficient * dt), change, world->listed);
     break;
+  case HC_VISCOUS_SMAGORINSKY: {
+    const hc_eddies eddies = hc_eddies_of(settings->kinematic_viscosity, settings->mixing_length, h, dt);
+    world->sweeps->smagorinsky(sweep, &eddies, change, world->listed);
+    break;
+  }
   case HC_VISCOUS_ARTIFICIAL:
     world->sweeps->artificial(sweep, (float)(coefficient * h * settings->sound_speed * dt), change,
                               world->listed);
@@ -81,8 +86,8 @@ double hc_largest_force(const hc_world *world, const hc_solver_settings *setting
                         const float *change, const float *push) {
   double largest = 0.0;
   const double rate = 1.0 / dt;
-  const bool viscous = settings->viscosity == HC_VISCOUS_LAMINAR ||
-                       settings->viscosity == HC_VISCOUS_ARTIFICIAL || settings->surface_tension > 0.0;
+  const bool viscous = (settings->viscosity != HC_VISCOUS_NONE && settings->viscosity != HC_VISCOUS_XSPH) ||
+                       settings->surface_tension > 0.0;
   const bool alike = !viscous && !push && settings->central_rate == 0.0;
   const int32_t own = alike ? world->fluid->own > 0 : world->fluid->own;
   for (int32_t k = 0; k < own; k++) {

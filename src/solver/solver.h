@@ -19,7 +19,8 @@ typedef enum hc_viscous_force {
   HC_VISCOUS_NONE,
   HC_VISCOUS_XSPH,
   HC_VISCOUS_ARTIFICIAL,
-  HC_VISCOUS_LAMINAR
+  HC_VISCOUS_LAMINAR,
+  HC_VISCOUS_SMAGORINSKY
 } hc_viscous_force;
 
 /* What every solver heeds; the first member of its own settings. */
@@ -30,7 +31,8 @@ typedef struct hc_solver_settings {
   hc_viscous_force viscosity;
   double viscosity_coefficient; /* xsph: share; artificial: alpha; laminar: m2/s */
   double sound_speed;           /* artificial: m/s */
-  double wall_viscosity;        /* m2/s: of friction at walls */
+  double mixing_length;         /* smagorinsky: C_s times the spacing, m */
+  double kinematic_viscosity;   /* m2/s: of friction at walls, and of smagorinsky beside its eddies */
   bool depth_pressure;          /* see wall_layer.h */
   double surface_tension;       /* kappa of Becker and Teschner 2007, m3/s2; 0: none */
   bool negative_pressure;

@@ -152,7 +152,7 @@ void hc_wall_layer_act(hc_world *world, const hc_solver_settings *settings, doub
       count++;
     world->sweeps->wall_layer(&world->sweep, &touches->at[first], count, around);
     for (int32_t k = 0; k < count; k++)
-      act_on(world, &around[k], settings->wall_viscosity, dt, &touches->at[first + (size_t)k]);
+      act_on(world, &around[k], settings->kinematic_viscosity, dt, &touches->at[first + (size_t)k]);
     first += (size_t)count;
   }
 }

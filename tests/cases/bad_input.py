@@ -84,6 +84,11 @@ SCENES = {
     "laminar without volumes": (changed("{blocks", "{viscosity: {model: laminar}, blocks")
                                 + "solver: {method: pcisph}\nboundary: {method: becker2009}\n", "3:28",
                                 "must not be laminar unless boundary.method is akinci2012 or ihmsen2010"),
+    "long mixing": (changed("{blocks", "{viscosity: {model: smagorinsky, coefficient: 1.5}, blocks"), "3:54",
+                    "fluid.viscosity.coefficient must be in [0, 1] with model smagorinsky, not 1.5"),
+    "negative mixing": (changed("{blocks", "{viscosity: {model: smagorinsky, coefficient: -0.1}, blocks"), "3:54",
+                        "fluid.viscosity.coefficient must be >= 0, not '-0.1'"),
+    "another spelling": (changed("{blocks", "{viscosity: {model: smagorinski}, blocks"), "3:28", "(nearest: smagorinsky)"),
     "more than sticks": (added("boundary: {friction: 1.5}"), "4:22", "boundary.friction must be in [0, 1], not '1.5'"),
     "unknown friction": (added("boundary: {friction_law: wet}"), "4:26", "one of none, no_slip, smooth, rough"),
     "rough without grains": (added("boundary: {friction_law: rough}"), "boundary.roughness", "required with friction_law rough"),

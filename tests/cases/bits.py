@@ -50,6 +50,18 @@ def gauges(case, steps):
     return text + ", gauges.csv too"
 
 
+def eddies(case, steps):
+    """The eddy viscosity of pairs, dfsph and pcisph."""
+    steps = steps or 40
+    for method in ("dfsph", "pcisph"):
+        settings = (f"solver.method={method}", "fluid.viscosity={model: smagorinsky, coefficient: 0.3}", "time_step.control=cfl")
+        runs = [case.run("tests/cases/gauges.yaml", f"eddies_{method}_{n}", n, settings, ["--steps", steps]) for n in (1, 3, 7)]
+        for run in runs[1:]:
+            compare(case, runs[0], run)
+            c.expect_same_text(runs[0] / "gauges.csv", run / "gauges.csv")
+    return f"{steps} steps with dfsph and with pcisph, and gauges.csv, are the same on 1, 3, 7 ranks"
+
+
 def round_tank(case, steps):
     """Round and tilted shapes in an open cylinder."""
     return ranks_agree(case, "tests/cases/round_tank.yaml", (1, 3), (), steps or 100)
@@ -151,7 +163,7 @@ def diff_sees(case, steps):
 
 
 if __name__ == "__main__":
-    c.main(__doc__, {"dam_break": dam_break, "vortices": vortices, "gauges": gauges, "drop": drop,
+    c.main(__doc__, {"dam_break": dam_break, "vortices": vortices, "gauges": gauges, "eddies": eddies, "drop": drop,
                      "round_tank": round_tank,
                      "boundary_methods": boundary_methods, "shock": shock, "rebalanced": rebalanced,
                      "far_away": far_away, "instruction_sets": instruction_sets, "diff_sees": diff_sees})

@@ -31,6 +31,8 @@ FAULTS = {
     "too fast for the floor": (["fluid.blocks[0].velocity=[1e9, 0, 0]"], 1, "is under its floor", "its speed asks"),
     "too viscous": (["fluid.viscosity={model: laminar, coefficient: 1e5}"], 1, "is under its floor",
                     "the viscosity allows"),
+    "too viscous beside eddies": (["fluid.kinematic_viscosity=1e5", "fluid.viscosity={model: smagorinsky, coefficient: 0.15}"], 1,
+                                  "is under its floor", "the viscosity allows"),
     "too viscous for a constant step": (["fluid.viscosity={model: laminar, coefficient: 100}",
                                          "time_step={control: constant, size: 0.004}"], None, "diverged",
                                         "the viscosity allows time steps of 3.13e-06 s"),

@@ -25,7 +25,7 @@ EXTREME = ["0", "-0.0", "-1", "1", "1e-320", "1e-30", "1e-9", "1e-3", "1e3", "1e
            "1.7976931348623157e308", "1e999", ".nan", ".inf", "-.inf", "0x10", "1_000", "2147483647", "2147483648",
            "-2147483649", "9223372036854775807", "9223372036854775808", "1e", "1.0.0", "2 cm", '"1"', "", "~", "true",
            "[]", "{}", "[[]]", "*a", "&a 1", "!!float 1"]
-WORDS = ["none", "xsph", "artificial", "laminar", "constant", "cfl", "fluid", "solid", "true", "false", "computed",
+WORDS = ["none", "xsph", "artificial", "laminar", "smagorinsky", "constant", "cfl", "fluid", "solid", "true", "false", "computed",
          "taylor_green", "slabs", "[+z]", "[-x, +x]", "plane", "box", "id", "velocity", "acceleration", "dfsph"]
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d[\d.]*(?:e[-+]?\d+)?")
 WORD = re.compile(r"[A-Za-z_]\w*")

@@ -88,6 +88,17 @@ def brief(case, _):
     return "14 steps with a stop after 9: the same bytes"
 
 
+def eddies(case, _):
+    """The same with the eddy viscosity of pairs."""
+    scene = scene_of(case, SCENE.replace("fluid: {", "fluid: {viscosity: {model: smagorinsky}, "))
+    one, other = case.folder / "at_once", case.folder / "in_two"
+    launch(case, scene, one, 1, ["--steps", 60])
+    launch(case, scene, other, 3, ["--steps", 40, "--set", "parallel.rebalance_every=4"])
+    launch(case, scene, other, 7, ["--steps", 60, "--restart"])
+    expect_same_run(case, one, other)
+    return "60 steps with a stop after 40: the same bytes"
+
+
 REBALANCES = ["none", "slabs", "metis"]
 
 
@@ -348,5 +359,5 @@ def disk_full(case, _):
 
 
 if __name__ == "__main__":
-    main(__doc__, {"exact": exact, "brief": brief, "stops": stops, "scenes": scenes, "choice": choice, "taken_back": taken_back, "losses": losses, "damage": damage,
+    main(__doc__, {"exact": exact, "brief": brief, "eddies": eddies, "stops": stops, "scenes": scenes, "choice": choice, "taken_back": taken_back, "losses": losses, "damage": damage,
                    "disk_full": disk_full})

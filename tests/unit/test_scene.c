@@ -340,7 +340,7 @@ START_TEST(test_errors_in_a_line) {
       {"boundary: {volume_factor: compute}",
        "27: boundary.volume_factor must be a number or the word computed, not 'compute'"},
       {"fluid: {viscosity: {model: xspf}}", "28: fluid.viscosity.model must be one of none, xsph, "
-                                            "artificial, laminar (nearest: xsph), not 'xspf'"},
+                                            "artificial, laminar, smagorinsky (nearest: xsph), not 'xspf'"},
       {"output: {snapshots: {fields: [density, speed]}}",
        "40: output.snapshots.fields[1] must be one of id, velocity, density, pressure, not 'speed'"},
       {"output: {snapshots: {fields: [density, density]}}",
@@ -495,6 +495,12 @@ START_TEST(test_overrides) {
   ck_assert_int_eq(scene.fluid.viscosity.model, HC_VISCOSITY_LAMINAR);
   ck_assert_double_eq(scene.fluid.viscosity.coefficient, 0.08);
   hc_scene_free(&scene);
+  scene = read_good(SMALLEST "fluid: {viscosity: {model: smagorinsky}}\n", NULL);
+  ck_assert_int_eq(scene.fluid.viscosity.model, HC_VISCOSITY_SMAGORINSKY);
+  ck_assert_double_eq(scene.fluid.viscosity.coefficient, 0.15);
+  ck_assert_double_eq(scene.fluid.kinematic_viscosity, 1e-6);
+  ck_assert_int_eq(scene.boundary.friction_law, HC_SCENE_FRICTION_SMOOTH);
+  hc_scene_free(&scene);
   /* The last one counts, and a bad value that is replaced hurts nobody. */
   static const char bad[] = "particle_spacing: x\nend_time: 2\n";
   static const char *const two[] = {"particle_spacing=1", "particle_spacing=0.5"};
@@ -560,6 +566,7 @@ START_TEST(test_unused_keys) {
        "46: parallel.rebalance_above is not used: parallel.rebalance is none"},
       {"time_step: {control: constant, size: 0.1}", NULL},
       {"fluid: {viscosity: {model: artificial, sound_speed: 1}}", NULL},
+      {"fluid: {kinematic_viscosity: 1.0e-5, viscosity: {model: smagorinsky, coefficient: 0.1}}", NULL},
       {"domain: {periodic: [false, true, false], min: [0, 0, 0], max: [1, 1, 1]}", NULL},
       {"solver: {warm_start: 0}", NULL},
   };

@@ -33,7 +33,7 @@ static void make_plane(setting *s, double height) {
 /* The particle's velocity after friction; before it is (2, -1, 0.5). */
 static void rub(setting *s, const hc_wall_friction friction[2], hc_world *world) {
   static const double before[3] = {2, -1, 0.5};
-  const hc_solver_settings settings = {.gravity = {0, 0, -10}, .wall_viscosity = 1e-6};
+  const hc_solver_settings settings = {.gravity = {0, 0, -10}, .kinematic_viscosity = 1e-6};
   memcpy(s->fluid.velocity, before, sizeof before);
   s->sweep.friction = friction;
   s->sweep.friction_differs = friction[0].law != friction[1].law;
@@ -110,7 +110,7 @@ START_TEST(depth_pushes_against_the_pull) {
   setting s;
   make_plane(&s, 0.5 * SPACING);
   static const double still[3] = {0, 0, 0};
-  const hc_solver_settings settings = {.gravity = {-10, 0, 0}, .wall_viscosity = 1e-6};
+  const hc_solver_settings settings = {.gravity = {-10, 0, 0}, .kinematic_viscosity = 1e-6};
   const float high = 1e4f, low = 50.0f, none = 0.0f; /* rho g spacing = 200 Pa */
   double push[4];
   for (int k = 0; k < 4; k++) {
