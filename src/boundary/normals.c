@@ -102,7 +102,8 @@ static void add_feet(const hc_sweep *sweep, const hc_particles *boundary, const 
 
 /* The weight of a sample's normal: where faces meet, ahead or behind of it, the root of how long the sum of
  * their normals is. So a lattice a spacing from the walls of a right edge or corner has the rest density to
- * half a percent, and a box displaces its volume. Negative where they meet ahead, in an inner edge. */
+ * half a percent, and a box displaces its volume. Negative where they meet ahead, in an inner edge; its sign
+ * alone says so where walls move. */
 static float count_faces(const hc_sweep *sweep, const hc_particles *boundary, const hc_neighbors *list,
                          int32_t b, const float normal[3]) {
   const double reach = spacings(sweep, AROUND), aside = spacings(sweep, OFF);
@@ -127,7 +128,8 @@ void hc_boundary_look_at_normals(const hc_sweep *sweep, hc_particles *boundary, 
       add_feet(sweep, boundary, list, b, normal);
     }
     boundary->faces[b] = thin ? 0.0f : count_faces(sweep, boundary, list, b, normal);
-    if (boundary->reference_normal && fabsf(boundary->faces[b]) > 1.0f) boundary->faces[b] = 0.0f;
+    if (boundary->reference_normal && fabsf(boundary->faces[b]) > 1.0f)
+      boundary->faces[b] = copysignf(0.0f, boundary->faces[b]);
   }
   for (int32_t b = 0; b < boundary->own; b++) {
     memcpy(boundary->facing[b].v, &boundary->normal[3 * (size_t)b], sizeof boundary->facing[b].v);

@@ -110,7 +110,7 @@ static void add_area(const hc_gauges *gauges, int number, const hc_particles *bo
   const int64_t *places = boundary->reference ? boundary->reference : boundary->position;
   for (int32_t k = 0; k < boundary->own; k++) {
     if ((int)boundary->motion[k].scalar != gauges->state[number].wall) continue;
-    if (boundary->faces && boundary->faces[k] < 0.0f) continue; /* an inner edge */
+    if (boundary->faces && signbit(boundary->faces[k])) continue; /* an inner edge */
     double offset[3];
     hc_measure_offset(gauges->frame, &places[3 * (size_t)k], &at, offset);
     hc_sum_add(sum, spacing * spacing * patch_weight(gauges, number, direction, offset));

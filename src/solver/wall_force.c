@@ -9,6 +9,7 @@
 #include "sph/kernel.h"
 #include "wall_layer.h"
 
+#include <math.h>
 #include <string.h>
 
 static const double ASIDE = 0.02; /* e: of a share, what goes along the wall */
@@ -117,7 +118,7 @@ static void pair_force(const pusher *p, const pair *pair, double force[3], doubl
     force[axis] = factor * pair->d[axis];
     aside[axis] = 0.0;
   }
-  if (sweep->boundary->facing[pair->b].scalar < 0.0f) { /* an inner edge: all of it belongs to the faces */
+  if (signbit(sweep->boundary->facing[pair->b].scalar)) { /* an inner edge: all of it belongs to the faces */
     memcpy(aside, force, 3 * sizeof *aside);
     memset(force, 0, 3 * sizeof *force);
   }

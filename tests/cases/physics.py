@@ -68,7 +68,7 @@ PRESSURE_BAND = {"hydrostatic": 0.02, "hydrostatic_walled": 0.02}
 SPEED_BANDS = (0.01, 0.05)
 
 
-def column(case, name, settings=(), most_error=1e-4, counted=1.0):
+def column(case, name, settings=(), most_error=1e-4, counted=1.0, fastest=SPEED_BANDS[1]):
     output = case.run(f"scenes/{name}.yaml", name, 2, settings)
     height, spacing = COLUMN["height"], COLUMN["spacing"]
     scale = COLUMN["density"] * COLUMN["gravity"] * height
@@ -88,7 +88,7 @@ def column(case, name, settings=(), most_error=1e-4, counted=1.0):
     c.expect(error <= PRESSURE_BAND[name], f"{name}: pressure off by {error:.4f} rho g H")
     speed = np.concatenate([np.linalg.norm(m["velocity"], axis=1) for m in late])
     speed = np.array([speed.mean(), np.quantile(speed, counted)]) / np.sqrt(COLUMN["gravity"] * height)
-    c.expect(speed[0] <= SPEED_BANDS[0] and speed[1] <= SPEED_BANDS[1], f"{name}: speeds {speed} sqrt(g H)")
+    c.expect(speed[0] <= SPEED_BANDS[0] and speed[1] <= fastest, f"{name}: speeds {speed} sqrt(g H)")
     surface = np.median([np.sort(m["points"][:, 2])[-80:].mean() for m in late]) + spacing / 2
     c.expect(abs(surface - height) < spacing, f"{name}: surface at {surface:.4f} m")
     rows = c.steps(output)
@@ -109,10 +109,11 @@ def hydrostatic_walled(case, _steps):
 
 
 def hydrostatic_pcisph(case, _steps):
-    """The same with PCISPH, between walls that have a pressure of their own."""
+    """The same with PCISPH, between walls that have a pressure of their own. The fastest of a thousand: a rounding more or
+    less, and the one fastest of all has 0.027 to 0.052 sqrt(g H)."""
     return column(case, "hydrostatic_walled", ("solver.method=pcisph", "solver.density_iterations.max=3",
                                                "solver.density_error_avg=0.01", "boundary.method=ihmsen2010",
-                                               "time_step.size=0.002"), 0.01)
+                                               "time_step.size=0.002"), 0.01, counted=0.999, fastest=0.03)
 
 
 def corner_pcisph(case, _steps):
