@@ -64,15 +64,11 @@ static double thin_share(const touch *t, double density) {
   const uint32_t *const row = hc_list_row(sweep->walls, t->i);
   double thin = 0.0;
   for (int32_t k = 0; k < hc_list_count(sweep->walls, t->i); k++) {
-    const size_t b = row[k] / sizeof(hc_record);
+    const int32_t b = (int32_t)(row[k] / sizeof(hc_record));
     if (sweep->boundary->facing[b].scalar != 0.0f) continue;
-    double square = 0.0;
-    for (int axis = 0; axis < 3; axis++) {
-      const double d = (double)(int32_t)((uint32_t)sweep->fluid->place[t->i].x[axis] -
-                                         (uint32_t)sweep->boundary->place[b].x[axis]) *
-                       (double)sweep->scale[axis];
-      square += d * d;
-    }
+    double d[3];
+    hc_sweep_from_wall(sweep, t->i, b, d);
+    const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     thin += (double)sweep->kernel * (double)sweep->boundary->place[b].scalar * hc_kernel_shape(sqrt(square));
   }
   return fmin(1.0, thin / density);
@@ -113,13 +109,12 @@ static bool hold_by_sample(touch *t, int32_t b) {
   const float *const normal = sweep->boundary->facing[b].v, *const wall = sweep->boundary->motion[b].v;
   const double *const velocity = &sweep->fluid->velocity[3 * (size_t)t->i], offset = sweep->wall_offset,
                       reach = 2.0 * BESIDE * offset;
-  double height = 0.0, square = 0.0, approach = 0.0, inward[3];
+  double height = 0.0, square = 0.0, approach = 0.0, inward[3], d[3];
+  hc_sweep_from_wall(sweep, t->i, b, d);
   for (int axis = 0; axis < 3; axis++) {
-    const int32_t units =
-        (int32_t)((uint32_t)sweep->fluid->place[t->i].x[axis] - (uint32_t)sweep->boundary->place[b].x[axis]);
-    const double d = (double)units * sweep->scale[axis], n = normal[axis];
-    height += d * n;
-    square += d * d;
+    const double n = normal[axis];
+    height += d[axis] * n;
+    square += d[axis] * d[axis];
     approach -= (velocity[axis] - (double)wall[axis]) * n;
     inward[axis] = -n;
   }

@@ -7,12 +7,12 @@
  *   push on the wall's samples around the point over their area, which is exact in the mean where the
  *   pressures of the layer next to a wall are not. With an axis too: only the samples of the face through the
  *   point count, and only the push along the axis, of fluid in front of it. The kernel ends at the gauge's
- *   radius, by default the support radius. Samples of inner edges are no area. Known
- *   weakness: half a spacing from an inner edge it reads a quarter low in still water, 8 % a spacing from it.
+ *   radius, by default the support radius. Samples of inner edges are no area. Known weakness: half a
+ *   spacing from an inner edge it reads a quarter low in still water, 8 % a spacing from it.
  *   Where the wall moves, point and face go with it, and so does the point of a force's moment.
  * - flow: volume per time through a rectangle, counted particle by particle.
  * - force: force of pressure, contact and friction, and its moment, on a wall; the drag of a viscosity model
- * is not included.
+ *   is not included.
  * - energy: kinetic and potential.
  * - volume: sum of m/max(rho, rho0), what compression takes away.
  * - density: mean of the particles' densities; deep in the water it tells whether that has swollen. nan where
@@ -22,8 +22,8 @@
  *
  * Pressure, flow and force are means over the time since the last reading, step by step, so that no impulse
  * falls between two readings, or over the scene's mean_over, however often they are read (moving_mean.h); the
- * others are of the moment. All sums are exact, extremes need no order: the
- * same values on any number of ranks. The averages under way are state of the run. */
+ * others are of the moment. All sums are exact, extremes need no order: the same values on any number of
+ * ranks. The averages under way are state of the run. */
 #ifndef HC_GAUGES_H
 #define HC_GAUGES_H
 
@@ -55,9 +55,8 @@ void hc_gauges_note(hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_tall
 /* Once that is reduced, and the step counts: adds it to the averages. Local. */
 void hc_gauges_step(hc_gauges *gauges, double dt);
 
-/* The values of all columns, on every rank, and a new start for the averages since the last
- * reading. Collective: one reduction for
- * all that is summed or a front, one gather for all heights. */
+/* The values of all columns, on every rank, and a new start for the averages since the last reading.
+ * Collective: one reduction for all that is summed or a front, one gather for all heights. */
 void hc_gauges_read(hc_gauges *gauges, const hc_particles *fluid, double *values);
 
 #endif

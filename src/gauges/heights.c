@@ -30,8 +30,8 @@ static int compare(double a, double b) {
 static int ascending(const void *a, const void *b) {
   const hc_mark *const p = a, *const q = b;
   if (p->gauge != q->gauge) return p->gauge < q->gauge ? -1 : 1;
-  return p->along < q->along || p->along > q->along ? compare(p->along, q->along)
-                                                    : compare(p->beside, q->beside);
+  const int order = compare(p->along, q->along);
+  return order != 0 ? order : compare(p->beside, q->beside);
 }
 
 void hc_heights_gather(hc_comm *comm, hc_marks *marks) {

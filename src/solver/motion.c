@@ -180,7 +180,7 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
   double units_per_speed[3];
   for (int axis = 0; axis < 3; axis++) units_per_speed[axis] = dt / frame->unit[axis];
   bearing bearing = {.per_square = 0.0};
-  if (fluid->own > 0) bearing = bearing_of(world, settings, dt, 0); /* all alike without a central force */
+  if (fluid->borne && fluid->own > 0) bearing = bearing_of(world, settings, dt, 0);
   for (int32_t k = 0; k < fluid->own; k++) {
     int64_t *position = &fluid->position[3 * (size_t)k];
     const double *velocity = &fluid->velocity[3 * (size_t)k];
@@ -199,7 +199,8 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
       work += settings->gravity[axis] * hc_frame_to_metres(frame, axis, position[axis]);
     }
     work += central_work(world, settings, k);
-    if (settings->central_rate != 0.0) bearing = bearing_of(world, settings, dt, k);
+    if (fluid->borne && settings->central_rate != 0.0) /* else all have the same */
+      bearing = bearing_of(world, settings, dt, k);
     if (fluid->borne) note_borne(&bearing, acceleration, &fluid->borne[k]);
     hc_sum_add(&moved->energy[0], v2);
     hc_sum_add(&moved->energy[1], work);

@@ -22,10 +22,7 @@ typedef struct pair {
 
 static pair make_pair(const hc_sweep *sweep, int32_t i, uint32_t offset) {
   pair pair = {.b = (int32_t)(offset / sizeof(hc_record))};
-  for (int axis = 0; axis < 3; axis++)
-    pair.d[axis] = (double)(int32_t)((uint32_t)sweep->fluid->place[i].x[axis] -
-                                     (uint32_t)sweep->boundary->place[pair.b].x[axis]) *
-                   sweep->scale[axis];
+  hc_sweep_from_wall(sweep, i, pair.b, pair.d);
   pair.q = sqrt(pair.d[0] * pair.d[0] + pair.d[1] * pair.d[1] + pair.d[2] * pair.d[2]);
   return pair;
 }

@@ -18,15 +18,6 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static int32_t separation(const hc_sweep *sweep, int32_t i, const uint32_t *offset, double d[3]) {
-  const int32_t b = (int32_t)(*offset / sizeof(hc_record));
-  for (int axis = 0; axis < 3; axis++)
-    d[axis] = (double)(int32_t)((uint32_t)sweep->fluid->place[i].x[axis] -
-                                (uint32_t)sweep->boundary->place[b].x[axis]) *
-              (double)sweep->scale[axis];
-  return b;
-}
-
 static const hc_wall_friction *friction_of(const hc_sweep *sweep, int32_t b) {
   return &sweep->friction[(int)sweep->boundary->motion[b].scalar];
 }
@@ -61,7 +52,8 @@ static double mean_stress(const hc_sweep *sweep, int32_t i, double viscosity, do
   double sum = 0.0, weights = 0.0;
   for (int32_t k = 0; k < hc_list_count(sweep->walls, i); k++) {
     double d[3];
-    const int32_t b = separation(sweep, i, &row[k], d);
+    const int32_t b = (int32_t)(row[k] / sizeof(hc_record));
+    hc_sweep_from_wall(sweep, i, b, d);
     const double weight = hc_wall_layer_share(sweep, d, b);
     if (weight > 0.0) sum += weight * stress(friction_of(sweep, b), viscosity, y, speed);
     weights += weight;

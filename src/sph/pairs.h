@@ -231,8 +231,8 @@ HC_INLINE void sum_plain_walls(const hc_sweep *sweep, hc_selection selection, in
       }
     }
     hc_store_lanes(density.part, densities.lanes[m]);
-    hc_store_lanes(rate.part, rates.lanes[m]);
-    store_vector(&gradients, m, &gradient);
+    if (move) hc_store_lanes(rate.part, rates.lanes[m]);
+    if (!densities_alone) store_vector(&gradients, m, &gradient);
   }
   add_up(&densities, rows->count);
   for (int32_t m = 0; m < rows->count; m++) walls->density[rows->at[m]] = sweep->kernel * densities.total[m];

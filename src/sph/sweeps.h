@@ -232,6 +232,14 @@ typedef struct hc_sweeps {
   void (*wall_velocities)(const hc_sweep *sweep, hc_record *velocities, hc_selection selection);
 } hc_sweeps;
 
+/* From boundary record b to fluid particle i, in support radii. */
+static inline void hc_sweep_from_wall(const hc_sweep *sweep, int32_t i, int32_t b, double d[3]) {
+  for (int axis = 0; axis < 3; axis++)
+    d[axis] = (double)(int32_t)((uint32_t)sweep->fluid->place[i].x[axis] -
+                                (uint32_t)sweep->boundary->place[b].x[axis]) *
+              (double)sweep->scale[axis];
+}
+
 /* The sweeps compiled for an instruction set. */
 const hc_sweeps *hc_sweeps_of(hc_isa isa);
 

@@ -268,7 +268,18 @@ fluid: {blocks: [{box: {min: [-0.2, -0.1, -0.1], max: [0.2, 0.1, 0.1], rotation:
 output: {snapshots: {every: 0}, gauges: [{name: depth, type: height, at: [0, 0, 0]}]}
 """)
     close("depth along an oblique gravity", readings(output)[0]["depth"], 0.2, 1e-6)
-    return "six directions of gravity, and an oblique one"
+    output = run(case, "stepped", """
+particle_spacing: 0.05
+end_time: 0.002
+fluid: {blocks: [{box: {min: [0, 0, 0], max: [0.4, 0.4, 0.3]}}, {box: {min: [0.4, 0, 0], max: [0.8, 0.4, 0.4]}}]}
+boundary: {walls: [{name: tank, box: {min: [0, 0, 0], max: [0.8, 0.4, 1]}}]}
+output:
+  snapshots: {every: 0}
+  gauges: [{name: low, type: height, at: [0.36, 0.2]}, {name: high, type: height, at: [0.44, 0.2]}]
+""")
+    low, high = (readings(output)[0][name] for name in ("low", "high"))
+    c.expect(0.3 <= low < 0.34 and 0.36 < high <= 0.4, f"beside a step from 0.3 to 0.4 m water is {low} and {high} m deep")
+    return f"six directions of gravity, and an oblique one; beside a step from 0.3 to 0.4 m {low:.3f} and {high:.3f} m"
 
 
 def elsewhere(case, _steps):

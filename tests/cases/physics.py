@@ -108,12 +108,21 @@ def hydrostatic_walled(case, _steps):
     return column(case, "hydrostatic_walled", counted=0.999)
 
 
+PCISPH_FASTEST = 0.03  # sqrt(g H): of a thousand particles, in each run
+
+
 def hydrostatic_pcisph(case, _steps):
-    """The same with PCISPH, between walls that have a pressure of their own. The fastest of a thousand: a rounding more or
-    less, and the one fastest of all has 0.027 to 0.052 sqrt(g H)."""
-    return column(case, "hydrostatic_walled", ("solver.method=pcisph", "solver.density_iterations.max=3",
-                                               "solver.density_error_avg=0.01", "boundary.method=ihmsen2010",
-                                               "time_step.size=0.002"), 0.01, counted=0.999, fastest=0.03)
+    """The same with PCISPH, between walls that have a pressure of their own. The one fastest of all has 0.027 to 0.052
+    sqrt(g H), by rounding alone: it is judged in the middle of three runs, the fastest of a thousand in each."""
+    told, fastest = [], []
+    for step in (0.002, 0.0019, 0.0018):
+        told.append(column(case, "hydrostatic_walled", ("solver.method=pcisph", "solver.density_iterations.max=3",
+                                                        "solver.density_error_avg=0.01", "boundary.method=ihmsen2010",
+                                                        f"time_step.size={step}"), 0.01, 0.999, PCISPH_FASTEST))
+        late = [m for m in map(read, c.snapshots(case.folder / "hydrostatic_walled")) if m["time"] > 2.0]
+        fastest.append(max(np.linalg.norm(m["velocity"], axis=1).max() for m in late) / np.sqrt(COLUMN["gravity"]))
+    c.expect(np.median(fastest) <= SPEED_BANDS[1], f"the fastest of all: {fastest} sqrt(g H)")
+    return f"{told[0]}; the fastest of all, in three runs, {', '.join(f'{speed:.3f}' for speed in fastest)}"
 
 
 def corner_pcisph(case, _steps):
@@ -293,11 +302,14 @@ output:
     - {{name: box, type: force, wall: box}}
     - {{name: tank, type: force, wall: tank}}
     - {{name: edge, type: pressure, wall: box, axis: -z, at: [0.45, 0.335, {top}]}}
+    - {{name: foot, type: pressure, wall: box, axis: -x, at: [0.6, 0.45, {low}]}}
+    - {{name: inner, type: pressure, wall: tank, axis: +x, at: [0.9, 0.45, 0.05]}}
 """
 
 
 def boxes(case, _steps):
-    """Still water on a box: its force on the floor and above it, the pressure near an edge, and the weight of all."""
+    """Still water on a box: its force on the floor and above it, the pressure near an edge and a spacing over the floor, and
+    the weight of all."""
     told = []
     for name, foot in (("floor", 0.0), ("above", 0.2)):
         top = foot + 0.3
@@ -306,7 +318,7 @@ def boxes(case, _steps):
         blocks = ", ".join(f"{{box: {{min: [{a}, {c_}, {e:.2f}], max: [{b}, {d}, {f:.2f}]}}}}"
                            for a, b, c_, d, e, f in around if f > e)
         scene = case.folder / f"{name}.yaml"
-        scene.write_text(BOX.format(blocks=blocks, foot=foot, top=round(top, 2)), encoding="utf-8")
+        scene.write_text(BOX.format(blocks=blocks, foot=foot, top=round(top, 2), low=foot + 0.05), encoding="utf-8")
         output = case.run(scene, name, 2, ())
         with open(output / "gauges.csv", newline="", encoding="utf-8") as file:
             rows = [row for row in csv.DictReader(file) if float(row["time"]) > 1]
@@ -316,6 +328,8 @@ def boxes(case, _steps):
         force = mean["box_fz"] / exact - 1
         edge = mean["edge"] / (1000 * 9.81 * (0.75 - top)) - 1
         whole = -(mean["box_fz"] + mean["tank_fz"]) / weight - 1
+        over_floor = [mean["inner"] / (1000 * 9.81 * 0.7) - 1, mean["foot"] / (1000 * 9.81 * (0.7 - foot)) - 1]
+        c.expect(max(map(abs, over_floor)) < 0.12, f"{name}: a spacing over the floor, or the box's foot: {over_floor}")
         found = f"{name}: force {100 * force:+.1f} %, near an edge {100 * edge:+.1f} %, all {100 * whole:+.2f} %"
         c.expect(abs(force) < (0.03 if foot > 0 else 0.07) and abs(edge) < 0.1 and abs(whole) < 1e-3, found)
         told.append(found)
