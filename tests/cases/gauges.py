@@ -275,7 +275,7 @@ fluid: {blocks: [{box: {min: [0, 0, 0], max: [0.4, 0.4, 0.3]}}, {box: {min: [0.4
 boundary: {walls: [{name: tank, box: {min: [0, 0, 0], max: [0.8, 0.4, 1]}}]}
 output:
   snapshots: {every: 0}
-  gauges: [{name: low, type: height, at: [0.36, 0.2]}, {name: high, type: height, at: [0.44, 0.2]}]
+  gauges: [{name: low, type: height, at: [0.385, 0.2]}, {name: high, type: height, at: [0.415, 0.2]}]
 """)
     low, high = (readings(output)[0][name] for name in ("low", "high"))
     c.expect(0.3 <= low < 0.34 and 0.36 < high <= 0.4, f"beside a step from 0.3 to 0.4 m water is {low} and {high} m deep")
