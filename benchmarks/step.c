@@ -3,12 +3,13 @@
  * A column of 0.8 m x 0.54 m x 0.6 m runs to 0.4 s (the front has nearly reached the far wall) with a loose
  * tolerance, then steps are timed twice: with exactly 2 density and 1 divergence iterations, and with the
  * default settings. With a boundary method as third argument the same with PCISPH: exactly 3 iterations, at a
- * step of half a millisecond for each centimetre of spacing. Times are wall-clock medians over the steps, the
- * slowest rank counts. Usage: [mpirun -n N] bench_step [SPACING [STEPS [METHOD]]]; 0.01 m makes 259,200
- * particles */
+ * step of half a millisecond for each centimetre of spacing; with wcsph as third argument with WCSPH at its
+ * longest stable step. Times are wall-clock medians over the steps, the slowest rank counts. Usage: [mpirun
+ * -n N] bench_step [SPACING [STEPS [METHOD]]]; 0.01 m makes 259,200 particles */
 #include "simulation/step.h"
 #include "base/check.h"
 #include "base/memory.h"
+#include "setup/solvers.h"
 #include "solver/dfsph.h"
 
 #include <stdio.h>
@@ -88,6 +89,16 @@ static bool use_pcisph(hc_scene *scene, const char *name) {
   return false;
 }
 
+/* Makes it one for WCSPH, with the longest step that is stable. */
+static void use_wcsph(hc_scene *scene) {
+  scene->fluid.viscosity.model = HC_VISCOSITY_ARTIFICIAL;
+  scene->fluid.viscosity.coefficient = 0.1;
+  scene->solver.method = HC_SOLVER_WCSPH;
+  scene->solver.density_fluctuation = 0.01;
+  scene->time_step.control = HC_TIME_CONSTANT;
+  scene->time_step.size = scene->time_step.max = hc_setup_solver_longest(scene);
+}
+
 static void advance(hc_simulation *simulation) {
   hc_error error = {.status = HC_OK};
   HC_CHECK(hc_simulation_step(simulation, &error) == HC_OK, "%s", error.text);
@@ -148,10 +159,13 @@ int main(int argc, char **argv) {
   hc_block block;
   hc_wall wall;
   hc_scene scene = make_scene(spacing, &block, &wall);
-  const bool pcisph = argc > 3;
-  if (!(spacing > 0.0) || steps < 1 || steps > MAX_STEPS || (pcisph && !use_pcisph(&scene, argv[3]))) {
+  const bool wcsph = argc > 3 && strcmp(argv[3], "wcsph") == 0, other = argc > 3;
+  if (wcsph) use_wcsph(&scene);
+  if (!(spacing > 0.0) || steps < 1 || steps > MAX_STEPS ||
+      (other && !wcsph && !use_pcisph(&scene, argv[3]))) {
     if (comm.rank == 0)
-      fprintf(stderr, "usage: bench_step [SPACING [STEPS of 1 to %d [BOUNDARY METHOD]]]\n", MAX_STEPS);
+      fprintf(stderr, "usage: bench_step [SPACING [STEPS of 1 to %d [BOUNDARY METHOD | wcsph]]]\n",
+              MAX_STEPS);
     hc_comm_finish(&comm);
     return 2;
   }
@@ -164,7 +178,7 @@ int main(int argc, char **argv) {
            (long long)simulation->world.fluid_total, (long long)simulation->world.boundary_total, comm.size,
            hc_isa_name(simulation->isa), (long long)simulation->step, simulation->time);
 
-  if (pcisph)
+  if (other)
     measure(simulation, argv[3], steps);
   else
     measure_dfsph(simulation, steps);

@@ -103,6 +103,11 @@ void hc_job_log_start(hc_job *job) {
   hc_log_info(&job->log, "solver %s, boundary %s%s, viscosity %s %g", simulation->solver->name,
               world->boundary_ops->name, factor, viscosities[job->scene->fluid.viscosity.model],
               job->scene->fluid.viscosity.coefficient);
+  if (simulation->solver->describe) {
+    char text[256];
+    simulation->solver->describe(simulation->solver_settings, text, sizeof text);
+    hc_log_info(&job->log, "%s", text);
+  }
   hc_log_info(&job->log, "particles: %lld fluid of %.9g kg each (mass factor %g), %lld boundary",
               (long long)world->fluid_total, world->mass, job->scene->fluid.mass_factor,
               (long long)world->boundary_total);

@@ -52,7 +52,8 @@ enum {
   HC_FOR_WALL_VOLUMES = 4, /* walls count by their volumes (akinci2012) */
   HC_FOR_RIGID_WALLS = 8,  /* walls have contact and normals (ihmsen2010 and others) */
   HC_FOR_MOVERS = 16,      /* walls move */
-  HC_FOR_ALL = 31
+  HC_FOR_WCSPH = 32,
+  HC_FOR_ALL = 63
 };
 
 typedef enum hc_field_id {

@@ -47,7 +47,7 @@ static const hc_choice directions[] = {{"none", 0},
                                        {"+z", HC_FACE_PLUS_Z},
                                        {NULL, 0}};
 static const hc_choice solver_methods[] = {
-    {"dfsph", HC_SOLVER_DFSPH}, {"pcisph", HC_SOLVER_PCISPH}, {NULL, 0}};
+    {"dfsph", HC_SOLVER_DFSPH}, {"pcisph", HC_SOLVER_PCISPH}, {"wcsph", HC_SOLVER_WCSPH}, {NULL, 0}};
 static const hc_choice motion_types[] = {{"none", HC_WALL_STANDS},
                                          {"constant", HC_WALL_CONSTANT},
                                          {"cosine", HC_WALL_COSINE},
@@ -56,8 +56,11 @@ static const hc_choice motion_types[] = {{"none", HC_WALL_STANDS},
 static const hc_choice interpolations[] = {
     {"linear", HC_INTERPOLATION_LINEAR}, {"smooth", HC_INTERPOLATION_SMOOTH}, {NULL, 0}};
 static const hc_choice leavings[] = {{"error", HC_LEAVING_ERROR}, {"remove", HC_LEAVING_REMOVE}, {NULL, 0}};
-static const hc_choice time_controls[] = {
-    {"constant", HC_TIME_CONSTANT}, {"cfl", HC_TIME_CFL}, {"adaptive", HC_TIME_ADAPTIVE}, {NULL, 0}};
+static const hc_choice time_controls[] = {{"constant", HC_TIME_CONSTANT},
+                                          {"cfl", HC_TIME_CFL},
+                                          {"adaptive", HC_TIME_ADAPTIVE},
+                                          {"global", HC_TIME_GLOBAL},
+                                          {NULL, 0}};
 static const hc_choice decompositions[] = {
     {"slabs", HC_DECOMPOSITION_SLABS}, {"metis", HC_DECOMPOSITION_METIS}, {NULL, 0}};
 static const hc_choice rebalances[] = {

@@ -227,9 +227,14 @@ typedef enum hc_boundary_method {
   HC_BOUNDARY_HARADA2007
 } hc_boundary_method;
 typedef enum hc_wall_density { HC_WALL_DENSITY_SUM, HC_WALL_DENSITY_SQUARED } hc_wall_density;
-typedef enum hc_solver_method { HC_SOLVER_DFSPH, HC_SOLVER_PCISPH } hc_solver_method;
+typedef enum hc_solver_method { HC_SOLVER_DFSPH, HC_SOLVER_PCISPH, HC_SOLVER_WCSPH } hc_solver_method;
 typedef enum hc_density_correction { HC_CORRECTION_NONE, HC_CORRECTION_SHEPARD } hc_density_correction;
-typedef enum hc_time_control { HC_TIME_CONSTANT, HC_TIME_CFL, HC_TIME_ADAPTIVE } hc_time_control;
+typedef enum hc_time_control {
+  HC_TIME_CONSTANT,
+  HC_TIME_CFL,
+  HC_TIME_ADAPTIVE,
+  HC_TIME_GLOBAL
+} hc_time_control;
 typedef enum hc_leaving { HC_LEAVING_ERROR, HC_LEAVING_REMOVE } hc_leaving;
 typedef enum hc_decomposition { HC_DECOMPOSITION_SLABS, HC_DECOMPOSITION_METIS } hc_decomposition;
 typedef enum hc_rebalance { HC_REBALANCE_NONE, HC_REBALANCE_SLABS, HC_REBALANCE_METIS } hc_rebalance;
@@ -329,14 +334,17 @@ typedef struct hc_scene {
     bool gap_rule;
     int min_divergence_neighbors; /* fewer: the divergence solver leaves the particle alone */
     bool negative_pressure;       /* correct expansion too (closed periodic flows) */
+    double density_fluctuation;   /* wcsph: permitted on average, fraction of the rest density */
+    double sound_speed;           /* wcsph: m/s; 0 = by density_fluctuation */
   } solver;
 
   struct {
     hc_time_control control;
-    double size;   /* constant */
-    double factor; /* cfl: step <= factor * particle_spacing / v_max */
-    double max;    /* cfl, adaptive */
-    double min;    /* floor; 0 = a share of the largest step */
+    double size;            /* constant */
+    double factor;          /* cfl: step <= factor * particle_spacing / v_max */
+    double max;             /* but constant */
+    double velocity, force; /* global: lambda of h/v, sqrt(h/F) */
+    double min;             /* floor; 0 = a share of the largest step */
     hc_time_adaptive adaptive;
   } time_step;
 

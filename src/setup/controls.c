@@ -6,6 +6,7 @@
 #include "stepping/adaptive.h"
 #include "stepping/cfl.h"
 #include "stepping/constant.h"
+#include "stepping/global.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -57,6 +58,11 @@ static double adaptive_longest(const hc_scene *scene) {
              : longest_of(scene, by_gravity(scene, scene->time_step.adaptive.shrink.force));
 }
 
+static double global_longest(const hc_scene *scene) {
+  const double stable = hc_setup_solver_longest(scene);
+  return scene->time_step.max > 0.0 ? fmin(scene->time_step.max, stable) : stable;
+}
+
 static hc_step_settings common_settings(const hc_scene *scene, double longest) {
   return (hc_step_settings){.longest = longest,
                             .min = scene->time_step.min,
@@ -103,6 +109,13 @@ static hc_step_settings *adaptive_settings(const hc_scene *scene) {
       .first_velocity = a->first.velocity};
   settings->common.spare = 1.5 * a->change;
   settings->common.first = by_depth(scene, a->first.depth, hc_setup_fluid_height(scene));
+  return &settings->common;
+}
+
+static hc_step_settings *global_settings(const hc_scene *scene) {
+  hc_global_settings *settings = hc_alloc(1, sizeof *settings);
+  *settings = (hc_global_settings){common_settings(scene, global_longest(scene)), scene->time_step.velocity,
+                                   scene->time_step.force};
   return &settings->common;
 }
 
@@ -170,15 +183,32 @@ static const struct {
 } controls[] = {
     [HC_TIME_CONSTANT] = {&hc_control_constant, size_of, constant_settings, complete_constant},
     [HC_TIME_CFL] = {&hc_control_cfl, cfl_longest, cfl_settings, NULL},
-    [HC_TIME_ADAPTIVE] = {&hc_control_adaptive, adaptive_longest, adaptive_settings, complete_adaptive}};
+    [HC_TIME_ADAPTIVE] = {&hc_control_adaptive, adaptive_longest, adaptive_settings, complete_adaptive},
+    [HC_TIME_GLOBAL] = {&hc_control_global, global_longest, global_settings, NULL}};
 
 void hc_setup_control_complete(hc_scene *scene, hc_findings *findings) {
   if (controls[scene->time_step.control].complete)
     controls[scene->time_step.control].complete(scene, findings);
 }
 
+/* What keeps the solver from being stable. */
+static void review_stable(const hc_scene *scene, hc_findings *findings) {
+  const double stable = hc_setup_solver_longest(scene);
+  if (isinf(stable) && hc_setup_solver_ops(scene)->evaluate)
+    hc_findings_error(
+        findings, "solver.method",
+        "missing key 'solver.sound_speed': without gravity, speeds at the start or emitters there is "
+        "nothing to estimate it by");
+  if (hc_setup_control_ops(scene)->foreseen && scene->time_step.size > stable * (1.0 + 1e-12))
+    hc_findings_error(
+        findings, "time_step.size",
+        "time_step.size must be <= the longest step with which sound is stable, %.4g s, not %.4g", stable,
+        scene->time_step.size);
+}
+
 void hc_setup_control_review(const hc_scene *scene, hc_findings *findings) {
   const double most = hc_setup_control_longest(scene);
+  review_stable(scene, findings);
   if (scene->time_step.min <= most) return;
   char min_text[HC_PARAM_NUMBER_TEXT], max_text[HC_PARAM_NUMBER_TEXT];
   hc_params_number_text(scene->time_step.min, min_text);
@@ -219,7 +249,8 @@ hc_control hc_setup_control(const hc_scene *scene) {
 double hc_setup_settle_step(const hc_scene *scene) {
   if (scene->fluid.settle_steps == 0) return 0.0;
   hc_control control = hc_setup_control(scene);
-  const double step = hc_control_still(&control);
+  static const double CALM = 0.5; /* of the longest stable step: what forgets its speed bears half of it */
+  const double step = fmin(hc_control_still(&control), CALM * hc_setup_solver_longest(scene));
   hc_control_free(&control);
   return step;
 }

@@ -102,11 +102,18 @@ double hc_setup_start_speed(const hc_scene *scene) {
   return fmax(largest, emitted_speed(scene));
 }
 
+double hc_setup_wave_speed(const hc_scene *scene) {
+  if (scene->solver.sound_speed > 0.0) return scene->solver.sound_speed;
+  const double height = fmax(hc_setup_fluid_height(scene), hc_setup_block_height(scene));
+  const double speed = fmax(sqrt(2.0 * hc_setup_pull(scene) * height), hc_setup_start_speed(scene));
+  return speed / sqrt(scene->solver.density_fluctuation);
+}
+
 double hc_setup_sound_speed(const hc_scene *scene) {
   if (scene->fluid.viscosity.model != HC_VISCOSITY_ARTIFICIAL) return 0.0;
-  return scene->fluid.viscosity.sound_speed > 0.0
-             ? scene->fluid.viscosity.sound_speed
-             : fmax(default_sound_speed(scene), 10.0 * emitted_speed(scene));
+  if (scene->fluid.viscosity.sound_speed > 0.0) return scene->fluid.viscosity.sound_speed;
+  if (scene->solver.method == HC_SOLVER_WCSPH) return hc_setup_wave_speed(scene);
+  return fmax(default_sound_speed(scene), 10.0 * emitted_speed(scene));
 }
 
 double hc_setup_kinematic_viscosity(const hc_scene *scene) {

@@ -19,6 +19,9 @@ double hc_setup_block_height(const hc_scene *scene);
 /* The largest speed of fluid at the start and of what emitters let in, m/s. */
 double hc_setup_start_speed(const hc_scene *scene);
 
+/* Sound speed of fluid that is weakly compressible, m/s; 0 where the scene says nothing to estimate it by. */
+double hc_setup_wave_speed(const hc_scene *scene);
+
 /* Sound speed of the artificial viscosity, m/s; 0 for other viscosities. */
 double hc_setup_sound_speed(const hc_scene *scene);
 

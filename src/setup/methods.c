@@ -42,12 +42,12 @@ static void check_walls(const hc_scene *scene, hc_findings *findings) {
 /* Positions that are predicted again and again go by the walls' gradient at the step's beginning, which is
  * too far from that of a squared density. */
 static void check_wall_density(hc_scene *scene, hc_findings *findings) {
-  if (scene->solver.method == HC_SOLVER_DFSPH) return;
+  if (hc_setup_solver_ops(scene)->squared_walls) return;
   if (!hc_given_has(findings->given, "boundary.wall_density"))
     scene->boundary.wall_density = HC_WALL_DENSITY_SUM;
   else if (scene->boundary.wall_density != HC_WALL_DENSITY_SUM)
     hc_findings_error(findings, "boundary.wall_density",
-                      "boundary.wall_density must be sum with solver.method %s: squared needs dfsph",
+                      "boundary.wall_density must be sum with solver.method %s: squared needs dfsph or wcsph",
                       hc_setup_solver_ops(scene)->name);
 }
 

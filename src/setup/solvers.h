@@ -15,4 +15,8 @@ hc_solver_settings *hc_setup_solver_settings(const hc_scene *scene);
  * follows the density errors. */
 void hc_setup_solver_complete(hc_scene *scene, bool by_errors, hc_findings *findings);
 
+/* The longest time step with which the solver is stable, s; INFINITY where steps are bounded by other things.
+ */
+double hc_setup_solver_longest(const hc_scene *scene);
+
 #endif

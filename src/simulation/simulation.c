@@ -70,6 +70,7 @@ static hc_status settle(hc_simulation *simulation, hc_error *error) {
   for (; status == HC_OK && step < simulation->scene->fluid.settle_steps; step++) {
     memset(fluid->velocity, 0, 3 * (size_t)fluid->own * sizeof *fluid->velocity);
     hc_world_update(world);
+    if (simulation->solver->evaluate) simulation->solver->evaluate(world, settings, &simulation->report);
     status = simulation->solver->step(world, settings, dt, step > 0 ? dt : 0.0, &simulation->report, error);
   }
   settings->viscosity = viscosity;
@@ -193,6 +194,7 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
       .friction = hc_settings_friction(scene),
       .friction_differs = hc_settings_friction_differs(scene),
       .no_slip = hc_settings_no_slip(scene),
+      .compressible = simulation->solver->compressible,
       .boundary_ops = hc_settings_boundary(scene),
       .features = hc_settings_features(scene),
       .isa = simulation->isa};

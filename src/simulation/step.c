@@ -77,6 +77,11 @@ static void go_back(hc_simulation *simulation, const hc_shock *shock) {
   hc_world_update(&simulation->world);
 }
 
+static double next_step(hc_simulation *simulation) {
+  const hc_step_report seen = hc_simulation_seen_by_control(simulation);
+  return hc_control_next(&simulation->control, simulation->time, simulation->dt, &seen);
+}
+
 hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_world *world = &simulation->world;
   hc_control *control = &simulation->control;
@@ -91,9 +96,11 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_simulation_pose_walls(simulation);
   hc_world_place(world);
   if (hc_population_change(&simulation->population, world, simulation->time)) hc_world_place(world);
-  const hc_step_report seen = hc_simulation_seen_by_control(simulation);
-  const double dt = hc_control_next(control, simulation->time, simulation->dt, &seen);
+  double dt = control->ops->when == HC_CONTROL_FROM_STATE ? next_step(simulation) : 0.0;
   hc_world_list(world, NULL);
+  if (simulation->solver->evaluate)
+    simulation->solver->evaluate(world, simulation->solver_settings, &simulation->report);
+  if (control->ops->when == HC_CONTROL_FROM_FORCES) dt = next_step(simulation);
   advance(simulation, dt, error);
   hc_balance_stop(&simulation->balance, simulation->comm);
   if (error->status == HC_OK) add_up(simulation, dt, error);

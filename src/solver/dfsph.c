@@ -98,7 +98,7 @@ static solved iterate(const solve *solve, prediction first) {
   solved result = {0};
   for (;; result.iterations++) {
     const hc_error_total total = predict(solve, AGAIN);
-    result.average = hc_reduce_errors(world->comm, &total, &result.max) / particles;
+    result.average = hc_reduce_errors(world->comm, &total, NULL, &result.max) / particles;
     result.broken = !isfinite(result.average);
     if (result.broken || (result.average <= solve->threshold && result.iterations >= solve->min)) break;
     result.capped = result.iterations >= solve->max;
@@ -223,11 +223,15 @@ static hc_status check_start(const hc_world *world, const hc_solver_settings *se
   return hc_solver_check_walls(world, error);
 }
 
+static const char *const controls[] = {"cfl", "constant", "adaptive", NULL};
+
 const hc_solver_ops hc_solver_dfsph = {.name = "dfsph",
                                        .features = HC_FOR_DFSPH,
                                        .walls = 1u << HC_WALLS_MIRRORED,
                                        .walls_why =
                                            "the others move predicted positions, which only pcisph has",
+                                       .squared_walls = true,
+                                       .controls = controls,
                                        .step = step,
                                        .densities = densities,
                                        .check_start = check_start,

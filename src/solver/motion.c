@@ -111,16 +111,16 @@ static void find_accelerations(hc_particles *fluid, double dt) {
     fluid->acceleration[k] = (float)((fluid->velocity[k] - (double)fluid->acceleration[k]) * rate);
 }
 
-double hc_reduce_errors(hc_comm *comm, const hc_error_total *total, double *max) {
+double hc_reduce_errors(hc_comm *comm, const hc_error_total *total, hc_tally *more, double *max) {
   enum { PARTS = 4 };
   const int64_t mask = 0xffffffff;
   int64_t parts[PARTS] = {(int64_t)total->sum & mask, (int64_t)(total->sum >> 32) & mask,
                           (int64_t)(total->sum >> 64), total->not_finite};
   *max = (double)total->max;
-  hc_tally tally = {.count = 0};
-  hc_tally_sum_i64(&tally, parts, PARTS);
-  hc_tally_max_f64(&tally, max, 1);
-  hc_tally_reduce(comm, &tally);
+  hc_tally alone = {.count = 0}, *const tally = more ? more : &alone;
+  hc_tally_sum_i64(tally, parts, PARTS);
+  hc_tally_max_f64(tally, max, 1);
+  hc_tally_reduce(comm, tally);
   const hc_error_total all = {.sum = (((__int128)parts[2] * 0x100000000 + parts[1]) * 0x100000000) + parts[0],
                               .not_finite = parts[3] > 0};
   const hc_sum sum = hc_error_sum(&all);

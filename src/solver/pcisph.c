@@ -198,7 +198,8 @@ static bool iterate(pcisph *step, hc_step_report *report) {
     report->density_iterations++;
     if (report->density_iterations == 1) hc_fault_watch_density(world, &report->fault);
     if (report->density_iterations < settings->density_min) continue;
-    report->density_error_avg = hc_reduce_errors(world->comm, &total, &report->density_error_max) / particles;
+    report->density_error_avg =
+        hc_reduce_errors(world->comm, &total, NULL, &report->density_error_max) / particles;
     if (!isfinite(report->density_error_avg)) return false;
     if (report->density_error_max <= settings->density_error_max &&
         report->density_error_avg <= settings->density_error_avg)

@@ -4,11 +4,14 @@
  *   required   name, walls, step, densities
  *   optional   features    default: no fields but those that all have
  *              walls_why   with walls that leave out any
+ *              compressible  default: it is not
+ *              squared_walls  default: wall densities are plain sums
  *              controls    default: any step control, and the scene's default one
  *              steadier    default: none
  *              goes_back   default: as many as the step control does
  *              check_start default: any start will do
- *              summary     default: nothing to say
+ *              evaluate    default: what acts hangs on the step
+ *              describe, summary  default: nothing to say
  * Its settings begin with the common ones. */
 #ifndef HC_SOLVER_H
 #define HC_SOLVER_H
@@ -69,17 +72,23 @@ typedef struct hc_solver_ops {
   unsigned features;     /* HC_FOR_*: the fields it needs */
   unsigned walls;        /* 1u << HC_WALLS_*: the boundary methods it works with */
   const char *walls_why; /* it does not with others, for messages */
+  bool compressible;     /* see hc_sweep */
+  bool squared_walls;    /* it works where wall densities go with the square, too */
   const char *const
       *controls;        /* names of the step controls it works with, null-ended; the first by default */
   const char *steadier; /* the one to advise where the pressure does not converge */
   int goes_back; /* steps taken back at once, at least, where the control takes back any: 2 where the step
                     before the one that diverges may have spoilt the state */
 
+  /* Finds what acts as a step begins, of whatever length: densities, accelerations; into the report, the same
+   * on every rank, v_max, force_max, the largest acceleration, and the density errors. Collective. Before:
+   * hc_world_update. */
+  void (*evaluate)(hc_world *world, const hc_solver_settings *settings, hc_step_report *report);
   /* Advances own particles by dt; dt_before is the last step's, 0 at the first. Collective.
-   * Before: hc_world_update. After: positions, velocities, pressures new; cells and lists stale; speeds,
-   * forces and energies are in the report behind hc_move_report.
-   * HC_FAILED, agreed, as fault.h says; the fault is in the report then, and velocities, densities, pressures
-   * and accelerations are those it was found with, positions those of the step's beginning. */
+   * Before: hc_world_update, and evaluate where there is one. After: positions, velocities, pressures new;
+   * cells and lists stale; speeds, forces and energies are in the report behind hc_move_report. HC_FAILED,
+   * agreed, as fault.h says; the fault is in the report then, and velocities, densities, pressures and
+   * accelerations are those it was found with, positions those of the step's beginning. */
   hc_status (*step)(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
                     hc_step_report *report, hc_error *error);
   /* Fills densities (and what goes with them) at the present positions, as steps do. Collective. Before:
@@ -89,7 +98,8 @@ typedef struct hc_solver_ops {
   /* Refuses a start that it cannot go on from. Collective. Before: `densities`. HC_BAD_INPUT, agreed. */
   hc_status (*check_start)(const hc_world *world, const hc_solver_settings *settings, hc_error *error);
 
-  /* A line for the log at the end of a run. Local. */
+  /* A line for the log at the start of a run; and at its end. Local. */
+  void (*describe)(const hc_solver_settings *settings, char *text, size_t size);
   void (*summary)(const hc_solver_caps *caps, char *text, size_t size);
 } hc_solver_ops;
 
@@ -131,9 +141,9 @@ double hc_largest_force(const hc_world *world, const hc_solver_settings *setting
 /* Remembers velocities, so that hc_move can tell accelerations. Local. */
 void hc_remember_velocities(hc_world *world);
 
-/* Adds up the errors of all ranks: the sum, NaN if one was not finite, and the largest. Collective: one
- * reduction. */
-double hc_reduce_errors(hc_comm *comm, const hc_error_total *total, double *max);
+/* Adds up the errors of all ranks: the sum, NaN if one was not finite, and the largest; and what else is in
+ * the tally (null: nothing). Collective: one reduction. */
+double hc_reduce_errors(hc_comm *comm, const hc_error_total *total, hc_tally *more, double *max);
 
 /* Wall contacts at velocities, then own particles move: by dt v, or to what place predicts; periodic axes
  * wrapped; velocities, accelerations, energies of own particles into report->moved. `broken`, the same on

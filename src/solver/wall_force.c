@@ -47,6 +47,13 @@ static void find_squared(const hc_sweep *sweep, int32_t i, double sum[3]) {
   }
 }
 
+/* The pressure that a particle pushes with. */
+static double push_of(const hc_sweep *sweep, int32_t i) {
+  const double relative =
+      sweep->compressible ? (double)sweep->fluid->density[i] / (double)sweep->rest_density : 1.0;
+  return (double)sweep->fluid->pressure[i] / (relative * relative);
+}
+
 /* What of a particle's pressure and a sample's acts between them, by how walls take part: times m/rho0 grad W
  * a force. */
 static double strength(const hc_sweep *sweep, int32_t i, const pair *pair, const double squared[3],
@@ -59,7 +66,7 @@ static double strength(const hc_sweep *sweep, int32_t i, const pair *pair, const
     if (sweep->flat_wall > 0.0f && n->scalar != 0.0f)
       weight = 2.0 * fabs((double)n->scalar) * along(n->v, squared);
     if (touch) depth = -(double)sweep->rest_density * (double)sweep->support * along(touch->depth, pair->d);
-    return ((double)fluid->pressure[i] * weight + depth) * (double)boundary->place[pair->b].scalar;
+    return (push_of(sweep, i) * weight + depth) * (double)boundary->place[pair->b].scalar;
   }
   case HC_WALLS_PRESSURE:
     return (double)sweep->rest_density * sweep->volume *

@@ -117,34 +117,77 @@ void hc_wall_layer_look(hc_world *world, const hc_solver_settings *settings, con
   }
 }
 
-static void act_on(hc_world *world, const hc_wall_around *around, double viscosity, double dt,
-                   hc_touch *touch) {
+/* What walls change a particle's velocity by over dt. */
+static void find_change(const hc_world *world, const hc_wall_around *around, double viscosity, double dt,
+                        hc_touch *touch, double change[3]) {
+  memset(change, 0, 3 * sizeof *change);
+  rub(&world->sweep, touch->particle, around, viscosity, dt, change);
+  for (int axis = 0; axis < 3; axis++) {
+    touch->rub[axis] = (float)change[axis];
+    change[axis] -= dt * (double)around->depth[axis];
+  }
+}
+
+static void act_on(hc_world *world, int32_t i, const double change[3]) {
   hc_particles *const fluid = world->fluid;
-  const int32_t i = touch->particle;
-  double change[3] = {0.0, 0.0, 0.0};
-  rub(&world->sweep, i, around, viscosity, dt, change);
   for (int axis = 0; axis < 3; axis++) {
     double *const velocity = &fluid->velocity[3 * (size_t)i + (size_t)axis];
-    touch->rub[axis] = (float)change[axis];
-    *velocity += change[axis] - dt * (double)around->depth[axis];
+    *velocity += change[axis];
     fluid->motion[i].v[axis] = (float)*velocity;
   }
+}
+
+/* The first touch at or behind `first` of a particle that is not before i. */
+static size_t next_touch(const hc_touches *touches, size_t first, int32_t i) {
+  while (first < touches->count && touches->at[first].particle < i) first++;
+  return first;
 }
 
 void hc_wall_layer_act(hc_world *world, const hc_solver_settings *settings, double dt, int32_t begin,
                        int32_t end) {
   const hc_touches *const touches = &world->touches;
   hc_wall_around around[AT_ONCE];
-  size_t first = 0;
-  while (first < touches->count && touches->at[first].particle < begin) first++;
+  size_t first = next_touch(touches, 0, begin);
   while (first < touches->count && touches->at[first].particle < end) {
     int32_t count = 0;
     while (count < AT_ONCE && first + (size_t)count < touches->count &&
            touches->at[first + (size_t)count].particle < end)
       count++;
     world->sweeps->wall_layer(&world->sweep, &touches->at[first], count, around);
-    for (int32_t k = 0; k < count; k++)
-      act_on(world, &around[k], settings->kinematic_viscosity, dt, &touches->at[first + (size_t)k]);
+    for (int32_t k = 0; k < count; k++) {
+      hc_touch *const touch = &touches->at[first + (size_t)k];
+      double change[3];
+      find_change(world, &around[k], settings->kinematic_viscosity, dt, touch, change);
+      act_on(world, touch->particle, change);
+    }
     first += (size_t)count;
+  }
+}
+
+void hc_wall_layer_add(hc_world *world, const hc_solver_settings *settings, double dt, float *change,
+                       hc_selection selection) {
+  const hc_touches *const touches = &world->touches;
+  hc_wall_around around[AT_ONCE];
+  hc_touch some[AT_ONCE];
+  size_t at[AT_ONCE], next = 0;
+  int32_t row = selection.begin;
+  while (row < selection.end) {
+    int32_t count = 0;
+    for (; row < selection.end && count < AT_ONCE; row++) {
+      const int32_t i = hc_selected(selection, row);
+      next = next_touch(touches, next, i);
+      if (next == touches->count) row = selection.end - 1;
+      if (next == touches->count || touches->at[next].particle != i) continue;
+      some[count] = touches->at[next];
+      at[count++] = next++;
+    }
+    world->sweeps->wall_layer(&world->sweep, some, count, around);
+    for (int32_t k = 0; k < count; k++) {
+      double of_walls[3];
+      find_change(world, &around[k], settings->kinematic_viscosity, dt, &some[k], of_walls);
+      touches->at[at[k]] = some[k];
+      for (int axis = 0; axis < 3; axis++)
+        change[3 * (size_t)some[k].particle + (size_t)axis] += (float)of_walls[axis];
+    }
   }
 }

@@ -30,6 +30,11 @@ void hc_wall_layer_look(hc_world *world, const hc_solver_settings *settings, con
 void hc_wall_layer_act(hc_world *world, const hc_solver_settings *settings, double dt, int32_t begin,
                        int32_t end);
 
+/* Adds what they do to selected particles over dt to `change`, m/s, three a particle: for solvers that know
+ * no step yet. Local. */
+void hc_wall_layer_add(hc_world *world, const hc_solver_settings *settings, double dt, float *change,
+                       hc_selection selection);
+
 /* How much of what a particle lost by friction sample b takes, of all the samples it is near: W where the
  * particle is in front of a wall with friction, else 0. `d`: from sample to particle, in support radii. */
 double hc_wall_layer_share(const hc_sweep *sweep, const double d[3], int32_t b);

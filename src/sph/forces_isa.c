@@ -119,7 +119,7 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = hc_selected(selection, first + k);
       const self own = make_self(sweep, &fluid->place[i]);
-      const struct row walls = row_of(sweep->walls, first + k);
+      const struct row walls = row_of(sweep->walls, hc_row_of(selection, first + k));
       viscous_self state = {.velocity = spread_velocity(&fluid->motion[i]),
                             .inverse_density = hc_set(fluid->motion[i].scalar),
                             .normal = {hc_set(0.0f), hc_set(0.0f), hc_set(0.0f)},
@@ -130,7 +130,7 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
       if (walls_take_part && !frozen) state.normal = wall_normal(&fluid->wall_gradient[3 * (size_t)i]);
       if (frozen) state.distance = hc_set(distance_from_walls(sweep, i, walls.offset, walls.count));
       vector_sums sum = no_sums();
-      const row row = row_of(sweep->list, first + k);
+      const row row = row_of(sweep->list, hc_row_of(selection, first + k));
       for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
         for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
           const int32_t at = pass + part * HC_GROUP;

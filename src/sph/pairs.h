@@ -193,11 +193,12 @@ typedef struct block_rows {
   int32_t at[BLOCK], count;
 } block_rows;
 
-HC_INLINE block_rows rows_at_walls(const hc_sweep *sweep, int32_t first, int32_t count) {
+HC_INLINE block_rows rows_at_walls(const hc_sweep *sweep, hc_selection selection, int32_t first,
+                                   int32_t count) {
   block_rows rows = {.count = 0};
   for (int32_t k = 0; k < count; k++) {
     rows.at[rows.count] = k;
-    rows.count += hc_list_count(sweep->walls, first + k) > 0;
+    rows.count += hc_list_count(sweep->walls, hc_row_of(selection, first + k)) > 0;
   }
   return rows;
 }
@@ -211,7 +212,7 @@ HC_INLINE void sum_plain_walls(const hc_sweep *sweep, hc_selection selection, in
   for (int32_t m = 0; m < rows->count; m++) {
     const int32_t number = first + rows->at[m];
     const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, number)]);
-    const row row = row_of(sweep->walls, number);
+    const row row = row_of(sweep->walls, hc_row_of(selection, number));
     sums density = {{{0}}}, rate = {{{0}}};
     vector_sums gradient = no_sums();
     for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
@@ -259,7 +260,7 @@ HC_INLINE void sum_squared_walls(const hc_sweep *sweep, hc_selection selection, 
   for (int32_t m = 0; m < rows->count; m++) {
     const int32_t number = first + rows->at[m];
     const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, number)]);
-    const row row = row_of(sweep->walls, number);
+    const row row = row_of(sweep->walls, hc_row_of(selection, number));
     sums density = {{{0}}}, plain_rate = {{{0}}};
     vector_sums normal = no_sums(), plain_gradient = no_sums(), rate = no_sums(),
                 gradient[3] = {no_sums(), no_sums(), no_sums()};
@@ -327,7 +328,7 @@ HC_INLINE void sum_squared_walls(const hc_sweep *sweep, hc_selection selection, 
 /* Walls with volumes, by the sweep's rule, or plainly and their densities alone. */
 HC_INLINE void sum_walls(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
                          bool densities_alone, block_walls *walls) {
-  const block_rows rows = rows_at_walls(sweep, first, count);
+  const block_rows rows = rows_at_walls(sweep, selection, first, count);
   memset(walls, 0, sizeof *walls);
   if (rows.count == 0) return; /* far from any wall */
   if (sweep->flat_wall > 0.0f && !densities_alone)
@@ -343,7 +344,7 @@ HC_INLINE void sum_kernels(const hc_sweep *sweep, const hc_record *targets, cons
                            int32_t first, int32_t count, block_sums *kernels) {
   for (int32_t k = 0; k < count; k++) {
     const self own = make_self(sweep, &targets[hc_selected(selection, first + k)]);
-    const row row = row_of(list, first + k);
+    const row row = row_of(list, hc_row_of(selection, first + k));
     sums sum = {{{0}}};
     for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
       for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
@@ -371,7 +372,7 @@ HC_INLINE void sum_pressure_gradients(const hc_sweep *sweep, hc_selection select
     const int32_t i = hc_selected(selection, first + k);
     const self own = make_self(sweep, &place[i]);
     const hc_float scalar = hc_set(place[i].scalar);
-    const row row = row_of(sweep->list, first + k);
+    const row row = row_of(sweep->list, hc_row_of(selection, first + k));
     vector_sums sum = no_sums();
     for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
       for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
@@ -393,6 +394,10 @@ hc_force_sweep HC_ISA_SYMBOL(hc_xsph), HC_ISA_SYMBOL(hc_laminar), HC_ISA_SYMBOL(
     HC_ISA_SYMBOL(hc_cohesion);
 void HC_ISA_SYMBOL(hc_smagorinsky)(const hc_sweep *sweep, const hc_eddies *eddies, float *change,
                                    hc_selection selection);
+void HC_ISA_SYMBOL(hc_weak_density)(const hc_sweep *sweep, const hc_tait *tait, hc_selection selection,
+                                    hc_error_total *total);
+void HC_ISA_SYMBOL(hc_weak_forces)(const hc_sweep *sweep, float viscosity, float weight, float *change,
+                                   float *rate, hc_selection selection);
 void HC_ISA_SYMBOL(hc_wall_layer)(const hc_sweep *sweep, const hc_touch *touches, int32_t count,
                                   hc_wall_around *around);
 typedef void hc_prediction_sweep(const hc_sweep *sweep, const hc_prediction *prediction,

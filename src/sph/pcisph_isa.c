@@ -42,7 +42,7 @@ HC_INLINE void sum_planes(const hc_sweep *sweep, const hc_record *vectors, bool 
   const hc_float one = hc_set(1.0f), zero = hc_set(0.0f), rate = hc_set(steepness);
   for (int32_t k = 0; k < count; k++) {
     const self own = make_self(sweep, &sweep->fluid->place[hc_selected(selection, first + k)]);
-    const row row = row_of(sweep->walls, first + k);
+    const row row = row_of(sweep->walls, hc_row_of(selection, first + k));
     sums weight = {{{0}}}, height = {{{0}}};
     vector_sums normal = no_sums();
     for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
@@ -188,7 +188,7 @@ HC_INLINE void sum_wall_pushes(const hc_sweep *sweep, hc_selection selection, in
     const int32_t i = hc_selected(selection, first + k);
     const self own = make_self(sweep, &sweep->fluid->place[i]);
     const hc_float scalar = hc_set(sweep->fluid->place[i].scalar);
-    const row row = row_of(sweep->walls, first + k);
+    const row row = row_of(sweep->walls, hc_row_of(selection, first + k));
     vector_sums sum = no_sums();
     for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
       for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {

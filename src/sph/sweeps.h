@@ -16,6 +16,7 @@
 #include "base/isa.h"
 #include "space/neighbors.h"
 #include "space/selection.h"
+#include "tait.h"
 
 /* What walls add to the densities and pressures of predicted positions. */
 typedef enum hc_wall_rule {
@@ -81,6 +82,7 @@ typedef struct hc_sweep {
   float rest_density; /* kg/m3 */
   float wall_offset;  /* of boundary samples behind the wetted surface, in support radii */
   float reach;        /* m: nearer to a sample a particle is in contact, where walls are rigid */
+  bool compressible;  /* pressures push by p/D^2, not by p */
   hc_wall_rule walls_add;
   float flat_wall; /* MIRRORED: the density share of a flat wall a spacing away, where it goes with the
                       square; 0: where it is the sum */
@@ -190,6 +192,17 @@ typedef struct hc_sweeps {
   /* change_i += -weight sum W (x_i - x_j) over fluid neighbours: surface tension (Becker and Teschner 2007);
    * weight = kappa dt. */
   void (*cohesion)(const hc_sweep *sweep, float weight, float *change, hc_selection selection);
+
+  /* Weakly compressible fluid: density, wall_density, wall_gradient and wall_rate as of the density sweep,
+   * the pressure of the density, and place.scalar = p/(rho0 D^2). Adds D - 1 where positive, or its size
+   * where pressures may be negative, to the total. He et al. 2015, eq. 1 and 2. */
+  void (*weak_density)(const hc_sweep *sweep, const hc_tait *tait, hc_selection selection,
+                       hc_error_total *total);
+
+  /* change_i += weight (-V sum (s_i + s_j) grad W - s_i B + the sum of artificial with viscosity = alpha h c)
+   * with s = place.scalar; rate_i = dD/dt as in the error sweep, unless null. He et al. 2015, eq. 4 and 5. */
+  void (*weak_forces)(const hc_sweep *sweep, float viscosity, float weight, float *change, float *rate,
+                      hc_selection selection);
 
   /* What `count` particles next to walls have around them; all of the fluid must be listed. */
   void (*wall_layer)(const hc_sweep *sweep, const hc_touch *touches, int32_t count, hc_wall_around *around);

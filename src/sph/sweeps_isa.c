@@ -26,7 +26,7 @@ static void density(const hc_sweep *sweep, hc_selection selection) {
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = hc_selected(selection, first + k);
       const self own = make_self(sweep, &fluid->place[i]);
-      const row row = row_of(sweep->list, first + k);
+      const row row = row_of(sweep->list, hc_row_of(selection, first + k));
       const vector velocity = spread_velocity(&fluid->motion[i]);
       sums sum = {{{0}}}, square = {{{0}}}, rate = {{{0}}};
       vector_sums gradient = no_sums();
@@ -108,7 +108,7 @@ static void error(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection
       const int32_t i = hc_selected(selection, first + k);
       const self own = make_self(sweep, &fluid->place[i]);
       const vector velocity = spread_velocity(&fluid->motion[i]);
-      const row row = row_of(sweep->list, first + k);
+      const row row = row_of(sweep->list, hc_row_of(selection, first + k));
       sums sum = {{{0}}};
       for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
         for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
@@ -184,6 +184,8 @@ const hc_sweeps *HC_ISA_SYMBOL(hc_sweeps)(void) {
                                    .smagorinsky = HC_ISA_SYMBOL(hc_smagorinsky),
                                    .artificial = HC_ISA_SYMBOL(hc_artificial),
                                    .cohesion = HC_ISA_SYMBOL(hc_cohesion),
+                                   .weak_density = HC_ISA_SYMBOL(hc_weak_density),
+                                   .weak_forces = HC_ISA_SYMBOL(hc_weak_forces),
                                    .wall_layer = HC_ISA_SYMBOL(hc_wall_layer),
                                    .boundary_volume = boundary_volume,
                                    .predicted_density = HC_ISA_SYMBOL(hc_predicted_density),

@@ -8,7 +8,6 @@
 static const double USUAL_SPACINGS = 0.4; /* a step */
 
 void hc_control_init(hc_control *control, const hc_control_ops *ops, hc_step_settings *settings) {
-  HC_CHECK(ops->when == HC_CONTROL_FROM_STATE, "the step asks %s before its forces are known", ops->name);
   HC_CHECK(!ops->judge == !ops->restart && !ops->judge == !ops->most_restarts &&
                !ops->judge == !ops->goes_back,
            "%s must judge, go back, restart and give up, or do nothing of it", ops->name);

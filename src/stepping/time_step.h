@@ -9,7 +9,8 @@
 typedef enum hc_step_bound {
   HC_BOUND_SIZE,     /* constant, or the largest allowed */
   HC_BOUND_VELOCITY, /* factor * spacing / v_max (Bender and Koschier 2015) */
-  HC_BOUND_FORCE,    /* 0.25 sqrt(h / F) with F the largest non-pressure acceleration (Monaghan 1992) */
+  HC_BOUND_FORCE,    /* 0.25 sqrt(h / F) with F the largest non-pressure acceleration (Monaghan 1992); global:
+                        0.05 with F of all (He et al. 2015) */
   HC_BOUND_VISCOUS,  /* 0.125 (h/2)^2 / nu (Morris et al. 1997, whose h is half the support radius) */
   HC_BOUND_GROWTH,   /* a tenth more than the last step, a quarter of the largest at first; adaptive: 0.2 % */
   HC_BOUND_ERROR_AVG, /* adaptive: the average density error */

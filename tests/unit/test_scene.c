@@ -687,7 +687,7 @@ START_TEST(test_keys) {
   free(other);
   hc_error error;
   ck_assert_int_eq(hc_params_print(stdout, "magic", &error), HC_BAD_INPUT);
-  ck_assert_str_eq(error.text, "unknown solver 'magic'; known: dfsph, pcisph");
+  ck_assert_str_eq(error.text, "unknown solver 'magic'; known: dfsph, pcisph, wcsph");
 }
 END_TEST
 

@@ -256,7 +256,7 @@ START_TEST(lists_of_a_selection_have_the_same_rows) {
       build_list(&b, (hc_isa)isa, &all, of_walls, to_walls, hc_select_all(targets));
       ck_assert_int_gt(all.pairs, 300);
       for (int c = 0; c < CHOICES; c++) {
-        const hc_selection selection = {index, 0, choose(targets->own, every[c], (uint64_t)isa, index)};
+        const hc_selection selection = {index, 0, choose(targets->own, every[c], (uint64_t)isa, index), false};
         build_list(&b, (hc_isa)isa, &some, of_walls, to_walls, selection);
         ck_assert_msg(rows_are_the_same(&all, &some, selection), "%s", hc_isa_name((hc_isa)isa));
       }
@@ -306,7 +306,7 @@ static void check_sweep(bench *b, hc_isa isa, sweep_id id) {
   look(b, targets, all);
   ck_assert_msg(memcmp(before, all, (size_t)targets->own * sizeof *all) != 0, "sweep %d does nothing", id);
   for (int c = 0; c < CHOICES; c++) {
-    const hc_selection selection = {index, 0, choose(targets->own, every[c], id, index)};
+    const hc_selection selection = {index, 0, choose(targets->own, every[c], id, index), false};
     check_selection(b, isa, id, selection, before, all, after);
   }
   build_lists(b, isa, id, hc_select_all(targets));
@@ -343,7 +343,7 @@ START_TEST(totals_of_selections_add_up) {
       hc_error_total total[3];
       for (int part = 0; part < 3; part++) {
         int32_t index[MOST];
-        hc_selection selection = {index, 0, 0};
+        hc_selection selection = {index, 0, 0, false};
         for (int32_t i = 0; i < FLUID; i++)
           if (part == 2 || (mix((uint64_t)i) & 1) == (uint64_t)part) index[selection.end++] = i;
         fill_values(&b);
@@ -367,7 +367,7 @@ START_TEST(parts_of_a_selection_meet_at_the_border) {
     for (int e = 0; e < CHOICES; e++)
       for (int indexed = 0; indexed < 2; indexed++) {
         const int32_t count = choose(100, every[e], (uint64_t)border, index);
-        const hc_selection whole = indexed ? (hc_selection){index, count / 4, count} : hc_select_range(7, 90);
+        const hc_selection whole = indexed ? (hc_selection){index, count / 4, count, false} : hc_select_range(7, 90);
         const hc_selection at_border = hc_select_border(whole, &particles),
                            interior = hc_select_interior(whole, &particles);
         ck_assert(at_border.begin == whole.begin && interior.end == whole.end);
