@@ -15,6 +15,7 @@ typedef enum hc_stage {
   HC_STAGE_DIVERGENCE,
   HC_STAGE_FORCES,
   HC_STAGE_PRESSURE,
+  HC_STAGE_STEPS, /* individual ones: who is active, for how long, and how the others go on */
   HC_STAGE_MOVE,
   HC_STAGE_OUTPUT,
   HC_STAGE_COUNT

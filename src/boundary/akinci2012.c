@@ -152,14 +152,15 @@ static bool hold_by_samples(touch *t, hc_holds *holds) {
   return true;
 }
 
-static int64_t contact(const hc_sweep *sweep, double limit, double dt) {
+static int64_t contact(const hc_sweep *sweep, hc_selection selection, double limit, double dt,
+                       const float *shares) {
   const hc_particles *const fluid = sweep->fluid;
   int64_t held = 0;
-  sweep->holds->count = 0;
-  for (int32_t i = 0; i < fluid->own; i++) {
+  for (int32_t row = selection.begin; row < selection.end; row++) {
+    const int32_t i = hc_selected(selection, row);
     const double density = (double)fluid->wall_density[i];
     if (density == 0.0) continue; /* no wall near */
-    touch t = {.sweep = sweep, .i = i, .dt = dt};
+    touch t = {.sweep = sweep, .i = i, .dt = shares ? dt * (double)shares[i] : dt};
     for (int axis = 0; axis < 3; axis++) {
       t.gradient[axis] = (double)fluid->wall_gradient[3 * (size_t)i + (size_t)axis];
       t.square += t.gradient[axis] * t.gradient[axis];

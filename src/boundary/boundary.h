@@ -31,10 +31,12 @@ typedef struct hc_boundary_ops {
   void (*prepare)(const hc_sweeps *sweeps, const hc_sweep *sweep, hc_particles *boundary,
                   const hc_neighbors *list, double factor);
 
-  /* The last word before own fluid particles move by dt: takes away what would carry one into a wall. `limit`
-   * is the wall density of a particle on a flat wall's wetted surface. The push adds to the particle's
-   * pressure, or stands in sweep->holds. Returns how many were held. Local. Null where `collide` does it. */
-  int64_t (*contact)(const hc_sweep *sweep, double limit, double dt);
+  /* The last word before selected own fluid particles move by dt, or by dt times their own of `shares`: takes
+   * away what would carry one into a wall. `limit` is the wall density of a particle on a flat wall's wetted
+   * surface. The push adds to the particle's pressure, or is added to sweep->holds. Returns how many were
+   * held. Local. Null where `collide` does it. */
+  int64_t (*contact)(const hc_sweep *sweep, hc_selection selection, double limit, double dt,
+                     const float *shares);
 
   /* Moves selected own particles, whose place holds predicted positions and velocity the predicted one,
    * out of the walls. motion holds the velocities at the step's beginning. Returns how many were in one.

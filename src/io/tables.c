@@ -44,7 +44,8 @@ static const column step_columns[] = {STEP(step, WHOLE_64),
                                       STEP(active_fraction, NUMBER),
                                       STEP(active_boundary_fraction, NUMBER),
                                       STEP(event, EVENT),
-                                      STEP(force_max, NUMBER)};
+                                      STEP(force_max, NUMBER),
+                                      STEP(substeps, WHOLE)};
 static const column load_columns[] = {LOAD(step, WHOLE_64),           LOAD(wall_seconds, NUMBER),
                                       LOAD(imbalance, NUMBER),        LOAD(ghosts_max, WHOLE_64),
                                       LOAD(bytes_sent_max, WHOLE_64), LOAD(event, EVENT)};

@@ -22,7 +22,8 @@ typedef struct hc_step_row {
   double force_max;                        /* m/s2: what the choice of the next step reads, see solver.h */
   double kinetic_energy, potential_energy; /* J */
   int64_t fluid_particles;
-  double active_fraction, active_boundary_fraction;
+  double active_fraction, active_boundary_fraction; /* the first as a mean over sub-steps */
+  int substeps;                                     /* of the step: 1 but with individual steps */
   const char *event; /* words joined by '+', or "" or null; no comma, quote or line end */
 } hc_step_row;
 

@@ -120,23 +120,26 @@ void hc_job_add_step_row(hc_job *job, const char *event) {
   const hc_simulation *simulation = &job->simulation;
   const int64_t boundary = simulation->world.boundary_total;
   const hc_step_report *report = &simulation->report;
-  const hc_step_row step = {.step = simulation->step,
-                            .time = simulation->time,
-                            .dt = simulation->dt,
-                            .iterations_density = report->density_iterations,
-                            .iterations_divergence = report->divergence_iterations,
-                            .density_error_avg = report->density_error_avg,
-                            .density_error_max = report->density_error_max,
-                            .v_max = report->v_max,
-                            .a_max = report->a_max,
-                            .force_max = report->force_max,
-                            .kinetic_energy = report->kinetic_energy,
-                            .potential_energy = report->potential_energy,
-                            .fluid_particles = job->load.fluid,
-                            .active_fraction = 1.0,
-                            .active_boundary_fraction =
-                                boundary > 0 ? (double)job->load.active_boundary / (double)boundary : 0.0,
-                            .event = event};
+  const hc_step_row step = {
+      .step = simulation->step,
+      .time = simulation->time,
+      .dt = simulation->dt,
+      .iterations_density = report->density_iterations,
+      .iterations_divergence = report->divergence_iterations,
+      .density_error_avg = report->density_error_avg,
+      .density_error_max = report->density_error_max,
+      .v_max = report->v_max,
+      .a_max = report->a_max,
+      .force_max = report->force_max,
+      .kinetic_energy = report->kinetic_energy,
+      .potential_energy = report->potential_energy,
+      .fluid_particles = job->load.fluid,
+      .active_fraction = report->substeps > 0 ? (double)report->evaluated /
+                                                    ((double)report->substeps * (double)job->load.fluid)
+                                              : 1.0,
+      .substeps = report->substeps > 0 ? report->substeps : 1,
+      .active_boundary_fraction = boundary > 0 ? (double)job->load.active_boundary / (double)boundary : 0.0,
+      .event = event};
   if (job->problem.status == HC_OK) hc_tables_add_step(&job->tables, &step, &job->problem);
 }
 

@@ -53,7 +53,8 @@ enum {
   HC_FOR_RIGID_WALLS = 8,  /* walls have contact and normals (ihmsen2010 and others) */
   HC_FOR_MOVERS = 16,      /* walls move */
   HC_FOR_WCSPH = 32,
-  HC_FOR_ALL = 63
+  HC_FOR_INDIVIDUAL = 64, /* particles have time steps of their own */
+  HC_FOR_ALL = 127
 };
 
 typedef enum hc_field_id {

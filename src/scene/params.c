@@ -56,11 +56,11 @@ static const hc_choice motion_types[] = {{"none", HC_WALL_STANDS},
 static const hc_choice interpolations[] = {
     {"linear", HC_INTERPOLATION_LINEAR}, {"smooth", HC_INTERPOLATION_SMOOTH}, {NULL, 0}};
 static const hc_choice leavings[] = {{"error", HC_LEAVING_ERROR}, {"remove", HC_LEAVING_REMOVE}, {NULL, 0}};
-static const hc_choice time_controls[] = {{"constant", HC_TIME_CONSTANT},
-                                          {"cfl", HC_TIME_CFL},
-                                          {"adaptive", HC_TIME_ADAPTIVE},
-                                          {"global", HC_TIME_GLOBAL},
-                                          {NULL, 0}};
+static const hc_choice time_controls[] = {{"constant", HC_TIME_CONSTANT},     {"cfl", HC_TIME_CFL},
+                                          {"adaptive", HC_TIME_ADAPTIVE},     {"global", HC_TIME_GLOBAL},
+                                          {"individual", HC_TIME_INDIVIDUAL}, {NULL, 0}};
+static const hc_choice individual_steps[] = {
+    {"power_of_two", HC_STEPS_POWER_OF_TWO}, {"raw", HC_STEPS_RAW}, {NULL, 0}};
 static const hc_choice decompositions[] = {
     {"slabs", HC_DECOMPOSITION_SLABS}, {"metis", HC_DECOMPOSITION_METIS}, {NULL, 0}};
 static const hc_choice rebalances[] = {

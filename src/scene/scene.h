@@ -233,8 +233,10 @@ typedef enum hc_time_control {
   HC_TIME_CONSTANT,
   HC_TIME_CFL,
   HC_TIME_ADAPTIVE,
-  HC_TIME_GLOBAL
+  HC_TIME_GLOBAL,
+  HC_TIME_INDIVIDUAL
 } hc_time_control;
+typedef enum hc_individual_steps { HC_STEPS_POWER_OF_TWO, HC_STEPS_RAW } hc_individual_steps;
 typedef enum hc_leaving { HC_LEAVING_ERROR, HC_LEAVING_REMOVE } hc_leaving;
 typedef enum hc_decomposition { HC_DECOMPOSITION_SLABS, HC_DECOMPOSITION_METIS } hc_decomposition;
 typedef enum hc_rebalance { HC_REBALANCE_NONE, HC_REBALANCE_SLABS, HC_REBALANCE_METIS } hc_rebalance;
@@ -343,8 +345,11 @@ typedef struct hc_scene {
     double size;            /* constant */
     double factor;          /* cfl: step <= factor * particle_spacing / v_max */
     double max;             /* but constant */
-    double velocity, force; /* global: lambda of h/v, sqrt(h/F) */
-    double min;             /* floor; 0 = a share of the largest step */
+    double velocity, force; /* global, individual: lambda of h/v, sqrt(h/F) */
+    hc_individual_steps steps;
+    bool blocks;   /* individual: cells and lists last for several sub-steps */
+    double margin; /* individual: of cells, in support radii */
+    double min;    /* floor; 0 = a share of the largest step */
     hc_time_adaptive adaptive;
   } time_step;
 

@@ -7,6 +7,7 @@
 #include "stepping/cfl.h"
 #include "stepping/constant.h"
 #include "stepping/global.h"
+#include "stepping/individual.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -119,6 +120,12 @@ static hc_step_settings *global_settings(const hc_scene *scene) {
   return &settings->common;
 }
 
+static hc_step_settings *individual_settings(const hc_scene *scene) {
+  hc_step_settings *settings = hc_alloc(1, sizeof *settings);
+  *settings = common_settings(scene, global_longest(scene));
+  return settings;
+}
+
 /* ---- rules ---- */
 
 /* `low` must be below `high`, or equal to it where that may be. */
@@ -173,6 +180,13 @@ static void complete_constant(hc_scene *scene, hc_findings *findings) {
                     size_text, max_text);
 }
 
+static void complete_individual(hc_scene *scene, hc_findings *findings) {
+  static const double RAW = 0.5; /* of what powers of two bear */
+  if (scene->time_step.steps != HC_STEPS_RAW) return;
+  if (!hc_given_has(findings->given, "time_step.velocity")) scene->time_step.velocity *= RAW;
+  if (!hc_given_has(findings->given, "time_step.force")) scene->time_step.force *= RAW;
+}
+
 /* ---- the table ---- */
 
 static const struct {
@@ -184,7 +198,9 @@ static const struct {
     [HC_TIME_CONSTANT] = {&hc_control_constant, size_of, constant_settings, complete_constant},
     [HC_TIME_CFL] = {&hc_control_cfl, cfl_longest, cfl_settings, NULL},
     [HC_TIME_ADAPTIVE] = {&hc_control_adaptive, adaptive_longest, adaptive_settings, complete_adaptive},
-    [HC_TIME_GLOBAL] = {&hc_control_global, global_longest, global_settings, NULL}};
+    [HC_TIME_GLOBAL] = {&hc_control_global, global_longest, global_settings, NULL},
+    [HC_TIME_INDIVIDUAL] = {&hc_control_individual, global_longest, individual_settings,
+                            complete_individual}};
 
 void hc_setup_control_complete(hc_scene *scene, hc_findings *findings) {
   if (controls[scene->time_step.control].complete)

@@ -85,5 +85,6 @@ unsigned hc_settings_features(const hc_scene *scene) {
   unsigned features = hc_setup_solver_ops(scene)->features | hc_settings_boundary(scene)->features;
   for (int k = 0; k < scene->boundary.wall_count; k++)
     if (scene->boundary.walls[k].motion.type != HC_WALL_STANDS) features |= HC_FOR_MOVERS;
+  if (scene->time_step.control == HC_TIME_INDIVIDUAL) features |= HC_FOR_INDIVIDUAL;
   return features;
 }

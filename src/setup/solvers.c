@@ -6,6 +6,7 @@
 #include "solver/dfsph.h"
 #include "solver/pcisph.h"
 #include "solver/wcsph.h"
+#include "stepping/time_step.h"
 
 #include <math.h>
 #include <string.h>
@@ -120,13 +121,20 @@ static double wcsph_longest(const hc_scene *scene) {
 
 static hc_solver_settings *wcsph_settings(const hc_scene *scene) {
   const double c = hc_setup_wave_speed(scene);
+  const hc_step_settings steps = {.longest = wcsph_longest(scene), .min = scene->time_step.min};
   hc_wcsph_settings *settings = hc_alloc(1, sizeof *settings);
-  *settings = (hc_wcsph_settings){.common = common_settings(scene),
-                                  .tait = {(float)(c * c / 7.0), scene->solver.negative_pressure},
-                                  .sound_speed = c,
-                                  .fluctuation = scene->solver.density_fluctuation,
-                                  .longest = wcsph_longest(scene)};
-  return &settings->common;
+  settings->weak = (hc_weak_settings){.common = common_settings(scene),
+                                      .tait = {(float)(c * c / 7.0), scene->solver.negative_pressure},
+                                      .sound_speed = c,
+                                      .fluctuation = scene->solver.density_fluctuation,
+                                      .longest = wcsph_longest(scene)};
+  settings->individual = (hc_individual_settings){.on = scene->time_step.control == HC_TIME_INDIVIDUAL,
+                                                  .raw = scene->time_step.steps == HC_STEPS_RAW,
+                                                  .lasting = scene->time_step.blocks,
+                                                  .velocity = scene->time_step.velocity,
+                                                  .force = scene->time_step.force,
+                                                  .shortest = hc_time_step_floor(&steps)};
+  return &settings->weak.common;
 }
 
 static void complete_wcsph(hc_scene *scene, bool by_errors, hc_findings *findings) {

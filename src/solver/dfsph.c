@@ -148,7 +148,7 @@ static solved correct_density_error(hc_world *world, const hc_dfsph_settings *se
 static void apply_forces(hc_world *world, const hc_solver_settings *settings, double dt,
                          hc_step_report *report) {
   const int32_t border = world->fluid->border, own = world->fluid->own;
-  const float *change = hc_find_forces(world, settings, dt);
+  const float *change = hc_find_forces(world, settings, dt, world->listed);
   hc_accelerate(world, settings, change, dt, 0, border);
   hc_wall_layer_act(world, settings, dt, 0, border);
   hc_halo_begin(world->halo, HC_WHOLE(motion));

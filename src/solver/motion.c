@@ -15,37 +15,39 @@ void hc_remember_velocities(hc_world *world) {
     for (int axis = 0; axis < 3; axis++) fluid->acceleration[3 * (size_t)k + axis] = fluid->motion[k].v[axis];
 }
 
-static void viscous_change(hc_world *world, const hc_solver_settings *settings, double dt, float *change) {
+static void viscous_change(hc_world *world, const hc_solver_settings *settings, double dt, float *change,
+                           hc_selection selection) {
   const hc_sweep *sweep = &world->sweep;
-  const int32_t own = world->fluid->own;
   const double h = world->frame.support_radius, coefficient = settings->viscosity_coefficient;
   switch (settings->viscosity) {
   case HC_VISCOUS_NONE:
-    memset(change, 0, 3 * (size_t)own * sizeof *change);
+    for (int32_t row = selection.begin; row < selection.end; row++)
+      memset(&change[3 * (size_t)hc_selected(selection, row)], 0, 3 * sizeof *change);
     break;
   case HC_VISCOUS_XSPH:
-    world->sweeps->xsph(sweep, (float)coefficient, change, world->listed);
+    world->sweeps->xsph(sweep, (float)coefficient, change, selection);
     break;
   case HC_VISCOUS_LAMINAR:
-    world->sweeps->laminar(sweep, (float)(coefficient * dt), change, world->listed);
+    world->sweeps->laminar(sweep, (float)(coefficient * dt), change, selection);
     break;
   case HC_VISCOUS_SMAGORINSKY: {
     const hc_eddies eddies = hc_eddies_of(settings->kinematic_viscosity, settings->mixing_length, h, dt);
-    world->sweeps->smagorinsky(sweep, &eddies, change, world->listed);
+    world->sweeps->smagorinsky(sweep, &eddies, change, selection);
     break;
   }
   case HC_VISCOUS_ARTIFICIAL:
     world->sweeps->artificial(sweep, (float)(coefficient * h * settings->sound_speed * dt), change,
-                              world->listed);
+                              selection);
     break;
   }
 }
 
-float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, double dt) {
+float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, double dt,
+                      hc_selection selection) {
   float *change = hc_particles_scratch(world->fluid, 3 * sizeof *change);
-  viscous_change(world, settings, dt, change);
+  viscous_change(world, settings, dt, change, selection);
   if (settings->surface_tension > 0.0)
-    world->sweeps->cohesion(&world->sweep, (float)(settings->surface_tension * dt), change, world->listed);
+    world->sweeps->cohesion(&world->sweep, (float)(settings->surface_tension * dt), change, selection);
   return change;
 }
 
@@ -211,8 +213,11 @@ static void move_all(hc_world *world, const hc_solver_settings *settings, double
 
 hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, hc_move_to to, bool broken,
                   hc_step_report *report, hc_error *error) {
-  if (world->boundary_ops->contact && world->contact_limit > 0.0)
-    report->contacts = world->boundary_ops->contact(&world->sweep, world->contact_limit, dt);
+  if (to == HC_MOVE_BY_VELOCITY && world->boundary_ops->contact && world->contact_limit > 0.0) {
+    world->holds.count = 0;
+    report->contacts = world->boundary_ops->contact(&world->sweep, hc_select_all(world->fluid),
+                                                    world->contact_limit, dt, NULL);
+  }
   if (look_before_move(world, dt, broken, report, error) != HC_OK) return error->status;
   report->moved = (hc_moved){.force_max = report->force_max};
   move_all(world, settings, dt, to, &report->moved);
@@ -220,6 +225,7 @@ hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt
 }
 
 void hc_move_note(hc_step_report *report, hc_tally *tally) {
+  hc_tally_sum_i64(tally, &report->evaluated, 1);
   hc_tally_sum_exact(tally, report->moved.energy, 2);
   hc_tally_max_f64(tally, &report->moved.v2_max, 1);
   hc_tally_max_f64(tally, &report->moved.a2_max, 1);

@@ -256,14 +256,14 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
   find_densities(&step);
   start(&step);
   leave_for_later(&step, dt_before);
-  const float *change = hc_find_forces(world, settings, dt);
+  const float *change = hc_find_forces(world, settings, dt, world->listed);
   for (int32_t i = 0; i < world->fluid->own; i++) {
     double force[3];
     hc_body_force(world, settings, i, force);
     for (size_t axis = 0, at = 3 * (size_t)i; axis < 3; axis++, at++)
       world->fluid->velocity[at] += (double)change[at] + dt * force[axis];
   }
-  hc_wall_layer_look(world, settings, NULL);
+  hc_wall_layer_list(world, settings);
   hc_wall_layer_act(world, settings, dt, 0, world->fluid->own);
   predict_walls(&step, 1);
 

@@ -58,6 +58,8 @@ typedef struct hc_step_report {
                                               PCISPH: all but contacts */
   double kinetic_energy, potential_energy; /* J; potential about the scene's origin */
   int64_t contacts;                        /* particles that a wall's contact held */
+  int substeps;                            /* with individual steps: of this one, else 0; and */
+  int64_t evaluated;                       /* how often particles were active in them, all together */
   hc_fault fault;                          /* why the step failed */
   hc_moved moved;
 } hc_step_report;
@@ -121,9 +123,9 @@ void hc_solver_tell_caps(const hc_solver_caps *caps, char *text, size_t size);
 
 /* Shared by the solvers (motion.c). */
 
-/* Velocity changes of own particles by non-pressure forces but gravity over dt, three a particle, in the
- * store's scratch. Ghost velocities and, for xsph, inverse densities must be current. Local. */
-float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, double dt);
+/* Velocity changes of selected own particles by non-pressure forces but gravity over dt, three a particle, in
+ * the store's scratch. Ghost velocities and, for xsph, inverse densities must be current. Local. */
+float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, double dt, hc_selection selection);
 
 /* The acceleration of own particle i by gravity and the central force. Local. */
 void hc_body_force(const hc_world *world, const hc_solver_settings *settings, int32_t i, double force[3]);
@@ -145,10 +147,10 @@ void hc_remember_velocities(hc_world *world);
  * the tally (null: nothing). Collective: one reduction. */
 double hc_reduce_errors(hc_comm *comm, const hc_error_total *total, hc_tally *more, double *max);
 
-/* Wall contacts at velocities, then own particles move: by dt v, or to what place predicts; periodic axes
- * wrapped; velocities, accelerations, energies of own particles into report->moved. `broken`, the same on
- * every rank: the pressure found no end, and the step fails. Collective; HC_FAILED as hc_solver_ops.step
- * says. */
+/* Wall contacts at velocities, where particles move by dt v; then own particles move, by that or to what
+ * place predicts; periodic axes wrapped; velocities, accelerations, energies of own particles into
+ * report->moved. `broken`, the same on every rank: the pressure found no end, and the step fails. Collective;
+ * HC_FAILED as hc_solver_ops.step says. */
 typedef enum hc_move_to { HC_MOVE_BY_VELOCITY, HC_MOVE_TO_PLACE } hc_move_to;
 hc_status hc_move(hc_world *world, const hc_solver_settings *settings, double dt, hc_move_to to, bool broken,
                   hc_step_report *report, hc_error *error);

@@ -102,19 +102,25 @@ static void find_depth(const hc_world *world, const hc_solver_settings *settings
   for (int axis = 0; axis < 3; axis++) depth[axis] = (float)(share * borne * g[axis]);
 }
 
-void hc_wall_layer_look(hc_world *world, const hc_solver_settings *settings, const float *pressure) {
+void hc_wall_layer_list(hc_world *world, const hc_solver_settings *settings) {
   hc_touches *const touches = &world->touches;
   touches->count = 0;
-  if (!world->sweep.friction && !pressure) return;
+  if (!world->sweep.friction && !settings->depth_pressure) return;
   for (int32_t i = 0; i < world->fluid->own; i++) {
     if (hc_list_count(&world->walls, i) == 0) continue;
     if (touches->count == touches->room)
       hc_reserve((void **)&touches->at, &touches->room, 2 * touches->count + 64, touches->count,
                  sizeof *touches->at);
-    hc_touch *const touch = &touches->at[touches->count++];
-    *touch = (hc_touch){.particle = i};
-    if (pressure) find_depth(world, settings, pressure[i], i, touch->depth);
+    touches->at[touches->count++] = (hc_touch){.particle = i};
   }
+}
+
+void hc_wall_layer_look(hc_world *world, const hc_solver_settings *settings, const float *pressure) {
+  hc_touches *const touches = &world->touches;
+  hc_wall_layer_list(world, settings);
+  for (size_t k = 0; k < touches->count && pressure; k++)
+    find_depth(world, settings, pressure[touches->at[k].particle], touches->at[k].particle,
+               touches->at[k].depth);
 }
 
 /* What walls change a particle's velocity by over dt. */
@@ -179,6 +185,8 @@ void hc_wall_layer_add(hc_world *world, const hc_solver_settings *settings, doub
       if (next == touches->count) row = selection.end - 1;
       if (next == touches->count || touches->at[next].particle != i) continue;
       some[count] = touches->at[next];
+      if (settings->depth_pressure)
+        find_depth(world, settings, world->fluid->pressure[i], i, some[count].depth);
       at[count++] = next++;
     }
     world->sweeps->wall_layer(&world->sweep, some, count, around);
@@ -190,4 +198,10 @@ void hc_wall_layer_add(hc_world *world, const hc_solver_settings *settings, doub
         change[3 * (size_t)some[k].particle + (size_t)axis] += (float)of_walls[axis];
     }
   }
+}
+
+void hc_wall_layer_shorten(hc_world *world, double share) {
+  hc_touches *const touches = &world->touches;
+  for (size_t k = 0; k < touches->count; k++)
+    for (int axis = 0; axis < 3; axis++) touches->at[k].rub[axis] *= (float)share;
 }

@@ -22,18 +22,23 @@
 
 #include "solver.h"
 
-/* As a step begins: lists the particles next to walls, with what acts by depth. `pressure`: of the step
- * before, Pa, by particle, with its accelerations; null: no depth. Local. Behind hc_world_list. */
+/* As a step begins: lists the particles next to walls. Local. Behind hc_world_list. */
+void hc_wall_layer_list(hc_world *world, const hc_solver_settings *settings);
+
+/* The same with what acts by depth. `pressure`: of the step before, Pa, by particle, with its accelerations;
+ * null: no depth. Local. */
 void hc_wall_layer_look(hc_world *world, const hc_solver_settings *settings, const float *pressure);
 
 /* Acts on those of own fluid particles [begin, end), motion too. Local. */
 void hc_wall_layer_act(hc_world *world, const hc_solver_settings *settings, double dt, int32_t begin,
                        int32_t end);
 
-/* Adds what they do to selected particles over dt to `change`, m/s, three a particle: for solvers that know
- * no step yet. Local. */
+/* For solvers that know no step yet: adds what walls do to selected particles over dt to `change`, m/s, three
+ * a particle, with the depth of their present pressures; and says that it was but a share of that dt. Local.
+ */
 void hc_wall_layer_add(hc_world *world, const hc_solver_settings *settings, double dt, float *change,
                        hc_selection selection);
+void hc_wall_layer_shorten(hc_world *world, double share);
 
 /* How much of what a particle lost by friction sample b takes, of all the samples it is near: W where the
  * particle is in front of a wall with friction, else 0. `d`: from sample to particle, in support radii. */

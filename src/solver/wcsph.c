@@ -7,9 +7,6 @@
  * within the fluctuation that is permitted: c = v/sqrt(fluctuation). Pressures are clamped at 0: a free
  * surface does not pull.
  *
- * What walls do beside their pressure (wall_layer.h) is found as over the longest step, of which friction is
- * a small share, so that accelerations do not depend on the step.
- *
  * Known weakness: sound. A start that is not at rest rings, and what it rings with is only damped by the
  * viscosity. */
 #include "wcsph.h"
@@ -24,52 +21,6 @@ static const hc_wcsph_settings *own_of(const hc_solver_settings *settings) {
   return (const hc_wcsph_settings *)settings;
 }
 
-/* Densities and pressures of own particles, and of their ghosts. */
-static hc_error_total find_pressures(hc_world *world, const hc_wcsph_settings *settings) {
-  hc_error_total total;
-  memset(&total, 0, sizeof total);
-  const hc_selection border = hc_select_border(world->listed, world->fluid),
-                     interior = hc_select_interior(world->listed, world->fluid);
-  world->sweeps->weak_density(&world->sweep, &settings->tait, border, &total);
-  hc_halo_begin(world->halo, HC_SCALAR(place));
-  world->sweeps->weak_density(&world->sweep, &settings->tait, interior, &total);
-  hc_halo_end(world->halo);
-  return total;
-}
-
-/* The change of velocity over the longest step, but by gravity, three a particle, in the store's scratch. */
-static float *find_changes(hc_world *world, const hc_wcsph_settings *settings) {
-  hc_solver_settings others = settings->common;
-  float viscosity = 0.0f;
-  if (others.viscosity == HC_VISCOUS_ARTIFICIAL) {
-    viscosity = (float)(others.viscosity_coefficient * world->frame.support_radius * others.sound_speed);
-    others.viscosity = HC_VISCOUS_NONE;
-  }
-  float *change = hc_find_forces(world, &others, settings->longest);
-  hc_wall_layer_add(world, &settings->common, settings->longest, change, world->listed);
-  world->sweeps->weak_forces(&world->sweep, viscosity, (float)settings->longest, change, NULL, world->listed);
-  return change;
-}
-
-/* Changes become accelerations, gravity included. Returns the largest, m/s2. */
-static double find_accelerations(const hc_world *world, const hc_wcsph_settings *settings, float *change) {
-  const double rate = 1.0 / settings->longest;
-  const bool alike = settings->common.central_rate == 0.0;
-  double largest = 0.0, body[3];
-  memcpy(body, settings->common.gravity, sizeof body);
-  for (int32_t i = 0; i < world->fluid->own; i++) {
-    double square = 0.0;
-    if (!alike) hc_body_force(world, &settings->common, i, body);
-    for (int axis = 0; axis < 3; axis++) {
-      const double a = (double)change[3 * (size_t)i + (size_t)axis] * rate + body[axis];
-      change[3 * (size_t)i + (size_t)axis] = (float)a;
-      square += a * a;
-    }
-    if (square > largest) largest = square;
-  }
-  return sqrt(largest);
-}
-
 static double largest_speed(const hc_particles *fluid) {
   double largest = 0.0;
   for (int32_t i = 0; i < fluid->own; i++) {
@@ -80,17 +31,20 @@ static double largest_speed(const hc_particles *fluid) {
 }
 
 static void evaluate(hc_world *world, const hc_solver_settings *settings, hc_step_report *report) {
-  const hc_wcsph_settings *const own = own_of(settings);
+  const hc_weak_settings *const weak = &own_of(settings)->weak;
+  hc_error_total total;
+  memset(&total, 0, sizeof total);
   memset(report, 0, sizeof *report);
   hc_remember_velocities(world);
-  hc_fault_watch_start(world, own->longest, &report->fault);
+  hc_fault_watch_start(world, weak->longest, &report->fault);
   hc_stopwatch_enter(&world->watch, HC_STAGE_DENSITY);
-  const hc_error_total total = find_pressures(world, own);
+  hc_weak_pressures(world, weak, world->listed, NULL, &total);
   hc_fault_watch_density(world, &report->fault);
 
   hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);
-  hc_wall_layer_look(world, settings, settings->depth_pressure ? world->fluid->pressure : NULL);
-  double most[2] = {largest_speed(world->fluid), find_accelerations(world, own, find_changes(world, own))};
+  hc_wall_layer_list(world, settings);
+  const double strongest = hc_weak_accelerations(world, weak, world->fluid->density_rate, world->listed);
+  double most[2] = {largest_speed(world->fluid), strongest};
   hc_tally tally = {.count = 0};
   hc_tally_max_f64(&tally, most, 2);
   const double particles = world->fluid_total > 0 ? (double)world->fluid_total : 1.0;
@@ -101,8 +55,9 @@ static void evaluate(hc_world *world, const hc_solver_settings *settings, hc_ste
 }
 
 /* v += dt a */
-static void accelerate(hc_world *world, const float *acceleration, double dt) {
+static void accelerate(hc_world *world, double dt) {
   hc_particles *const fluid = world->fluid;
+  const float *const acceleration = hc_weak_accelerations_of(world);
   for (int32_t i = 0; i < fluid->own; i++)
     for (int axis = 0; axis < 3; axis++) {
       double *const velocity = &fluid->velocity[3 * (size_t)i + (size_t)axis];
@@ -111,23 +66,22 @@ static void accelerate(hc_world *world, const float *acceleration, double dt) {
     }
 }
 
-/* What friction took over the longest step becomes what it took over dt. */
-static void shorten_rubs(hc_touches *touches, double share) {
-  for (size_t k = 0; k < touches->count; k++)
-    for (int axis = 0; axis < 3; axis++) touches->at[k].rub[axis] *= (float)share;
-}
-
 static hc_status step(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
                       hc_step_report *report, hc_error *error) {
+  const hc_wcsph_settings *const own = own_of(settings);
   (void)dt_before;
+  if (own->individual.on)
+    return hc_individual_advance(world, &own->weak, &own->individual, dt, report, error);
+  hc_wall_layer_shorten(world, dt / own->weak.longest);
   hc_stopwatch_enter(&world->watch, HC_STAGE_MOVE);
-  accelerate(world, hc_particles_scratch(world->fluid, 3 * sizeof(float)), dt);
-  shorten_rubs(&world->touches, dt / own_of(settings)->longest);
+  accelerate(world, dt);
   return hc_move(world, settings, dt, HC_MOVE_BY_VELOCITY, false, report, error);
 }
 
 static void densities(hc_world *world, const hc_solver_settings *settings) {
-  find_pressures(world, own_of(settings));
+  hc_error_total total;
+  memset(&total, 0, sizeof total);
+  hc_weak_pressures(world, &own_of(settings)->weak, world->listed, NULL, &total);
 }
 
 /* What is compressed at the start flies apart with the sound speed. */
@@ -139,11 +93,11 @@ static hc_status check_start(const hc_world *world, const hc_solver_settings *se
 }
 
 static void describe(const hc_solver_settings *settings, char *text, size_t size) {
-  const hc_wcsph_settings *const own = own_of(settings);
-  snprintf(text, size, "sound speed %.6g m/s, steps of at most %.4g s", own->sound_speed, own->longest);
+  const hc_weak_settings *const weak = &own_of(settings)->weak;
+  snprintf(text, size, "sound speed %.6g m/s, steps of at most %.4g s", weak->sound_speed, weak->longest);
 }
 
-static const char *const controls[] = {"global", "constant", NULL};
+static const char *const controls[] = {"individual", "global", "constant", NULL};
 
 const hc_solver_ops hc_solver_wcsph = {.name = "wcsph",
                                        .features = HC_FOR_WCSPH,

@@ -1,9 +1,9 @@
 /* The frame: how metres map to the unbounded cell grid.
  *
- * A position is three int64_t in units of 2^-28 cell edges; a cell edge is the support radius or, along a
- * periodic axis, stretched (at most 10 %) so that the period is a whole number of cells. Scene coordinates
- * are metres from the corner of cell `origin_cells`; along periodic axes positions lie in [low, low +
- * period). */
+ * A position is three int64_t in units of 2^-28 cell edges; a cell edge is the support radius and a margin
+ * or, along a periodic axis, stretched (at most 10 %) so that the period is a whole number of cells. Scene
+ * coordinates are metres from the corner of cell `origin_cells`; along periodic axes positions lie in [low,
+ * low + period). */
 #ifndef HC_FRAME_H
 #define HC_FRAME_H
 
@@ -16,6 +16,7 @@ enum { HC_CELL_BITS = 28 };
 typedef struct hc_frame {
   double unit[3];        /* metres per unit along each axis */
   double support_radius; /* m; never above a cell edge */
+  double margin;         /* m: by which cells are wider than that, at least; lists reach as far */
   int64_t spacing[3];    /* the particle spacing in units, even */
   int64_t origin[3];     /* the scene's origin, in units: a cell corner along open axes */
   int64_t period[3];     /* periodic length in units, a whole number of cells; 0 = open */

@@ -141,3 +141,42 @@ void HC_ISA_SYMBOL(hc_weak_forces)(const hc_sweep *sweep, float viscosity, float
   else
     weak_forces(sweep, viscosity, weight, change, NULL, selection);
 }
+
+/* The least and the largest scalar of a row, whole numbers below 2^24: so the way to drop lanes is exact. */
+HC_INLINE void extremes(const hc_record *motion, const row *row, float self, float *least, float *most) {
+  hc_float low = hc_set(self), high = hc_set(self);
+  for (int32_t at = 0; at < row->entries; at += HC_LANES) {
+    hc_float scalar;
+    load_velocity(motion, row->offset + at, &scalar);
+    if (row->entries - at < HC_LANES)
+      scalar = hc_keep_groups(scalar - hc_set(self), row->entries - at) + hc_set(self);
+    low = hc_min(low, scalar);
+    high = hc_max(high, scalar);
+  }
+  float lows[HC_LANES], highs[HC_LANES];
+  memcpy(lows, &low, sizeof lows);
+  memcpy(highs, &high, sizeof highs);
+  *least = *most = self;
+  for (int k = 0; k < HC_LANES; k++) {
+    if (lows[k] < *least) *least = lows[k];
+    if (highs[k] > *most) *most = highs[k];
+  }
+}
+
+void HC_ISA_SYMBOL(hc_least_scalar)(const hc_sweep *sweep, float *least, hc_selection selection) {
+  const hc_particles *const fluid = sweep->fluid;
+  expect_ready(fluid, HC_WHOLE(motion) | HC_SCALAR(motion), fluid, selection);
+  for (int32_t number = selection.begin; number < selection.end; number++) {
+    const int32_t i = hc_selected(selection, number);
+    const row row = row_of(sweep->list, hc_row_of(selection, number));
+    const float self = fluid->motion[i].scalar;
+    float low, high;
+    extremes(fluid->motion, &row, self, &low, &high);
+    if (low < least[i]) least[i] = low;
+    if (!(high > self)) continue;
+    for (int32_t k = 0; k < row.count; k++) {
+      float *const other = &least[row.offset[k] / sizeof(hc_record)];
+      if (self < *other) *other = self;
+    }
+  }
+}

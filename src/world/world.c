@@ -68,6 +68,10 @@ void hc_world_free(hc_world *world) {
   hc_free(world->contacts);
   hc_free(world->holds.at);
   hc_free(world->touches.at);
+  hc_free(world->chosen.index);
+  hc_free(world->chosen.bits);
+  hc_free(world->chosen.asked);
+  hc_free(world->chosen.before);
   hc_free(world->friction);
   hc_neighbor_search_free(&world->search);
   hc_domain_free(&world->domain);

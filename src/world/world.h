@@ -21,6 +21,15 @@ typedef struct hc_store {
  * list of all walls. */
 typedef enum hc_store_id { HC_STORE_FLUID, HC_STORE_BOUNDARY, HC_STORE_MOVING, HC_STORE_COUNT } hc_store_id;
 
+/* Particles that are chosen for a part of a step: work space, kept for its memory. */
+typedef struct hc_chosen {
+  int32_t *index; /* ascending */
+  uint64_t *bits; /* of own particles */
+  float *asked;   /* of own particles and ghosts, or of own particles */
+  double *before; /* three for each chosen one */
+  size_t index_room, bits_room, asked_room, before_room;
+} hc_chosen;
+
 typedef struct hc_world {
   hc_comm *comm;
   hc_frame frame;
@@ -36,6 +45,7 @@ typedef struct hc_world {
   size_t contact_room;
   hc_holds holds;
   hc_touches touches;
+  hc_chosen chosen;
   hc_wall_friction *friction; /* see hc_sweep; owned */
   const hc_sweeps *sweeps;
   hc_sweep sweep;

@@ -99,6 +99,7 @@ static hc_step_row step_row(int64_t step) {
                        .fluid_particles = 1000,
                        .force_max = 9.5,
                        .active_fraction = 1,
+                       .substeps = 1,
                        .active_boundary_fraction = 0.25,
                        .event = step == 2 ? "rollback+cap" : NULL};
 }
@@ -115,9 +116,9 @@ START_TEST(tables_hold_their_rows) {
   const char *const steps =
       "step,time,dt,iterations_density,iterations_divergence,density_error_avg,density_error_max,v_max,a_max,"
       "kinetic_energy,potential_energy,fluid_particles,active_fraction,active_boundary_fraction,event,force_"
-      "max\n"
-      "1,0.1,0.001,3,4,0.0001,0,2.5,0,0,0,1000,1,0.25,,9.5\n"
-      "2,0.2,0.001,3,4,0.0001,0,2.5,0,0,0,1000,1,0.25,rollback+cap,9.5\n";
+      "max,substeps\n"
+      "1,0.1,0.001,3,4,0.0001,0,2.5,0,0,0,1000,1,0.25,,9.5,1\n"
+      "2,0.2,0.001,3,4,0.0001,0,2.5,0,0,0,1000,1,0.25,rollback+cap,9.5,1\n";
   ck_assert_str_eq(content("steps.csv"), steps); /* before the close: every row is in the file */
   ck_assert_int_eq(hc_tables_close(&tables, &error), HC_OK);
   ck_assert_str_eq(content("load.csv"), "step,wall_seconds,imbalance,ghosts_max,bytes_sent_max,event\n"

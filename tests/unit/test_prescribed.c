@@ -241,7 +241,7 @@ START_TEST(contact_carries_along) {
   const hc_neighbors none = {.row = rows};
   hc_holds holds = {.count = 0};
   const hc_sweep sweep = {.fluid = &fluid, .walls = &none, .holds = &holds, .rest_density = 1000.0f};
-  ck_assert_int_eq(hc_boundary_akinci2012.contact(&sweep, 0.3, 0.001), 1);
+  ck_assert_int_eq(hc_boundary_akinci2012.contact(&sweep, hc_select_all(sweep.fluid), 0.3, 0.001, NULL), 1);
   ck_assert_double_eq_tol(fluid.velocity[0], 0.4, 1e-6);
   ck_assert_double_eq(fluid.velocity[3], 0.0);
   ck_assert_double_eq(fluid.velocity[6], 0.5);
