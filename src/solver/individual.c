@@ -122,7 +122,7 @@ static void place_anew(block *b) {
   shift(b, -1);
   drift(b);
   hc_world_list(world, NULL);
-  hc_wall_layer_list(world, &b->settings->common);
+  hc_wall_layer_list(world, b->settings->common.depth_pressure);
   world->holds.count = 0;
   b->used = 0.0;
 }

@@ -263,7 +263,7 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
     for (size_t axis = 0, at = 3 * (size_t)i; axis < 3; axis++, at++)
       world->fluid->velocity[at] += (double)change[at] + dt * force[axis];
   }
-  hc_wall_layer_list(world, settings);
+  hc_wall_layer_list(world, false);
   hc_wall_layer_act(world, settings, dt, 0, world->fluid->own);
   predict_walls(&step, 1);
 

@@ -102,10 +102,10 @@ static void find_depth(const hc_world *world, const hc_solver_settings *settings
   for (int axis = 0; axis < 3; axis++) depth[axis] = (float)(share * borne * g[axis]);
 }
 
-void hc_wall_layer_list(hc_world *world, const hc_solver_settings *settings) {
+void hc_wall_layer_list(hc_world *world, bool depth) {
   hc_touches *const touches = &world->touches;
   touches->count = 0;
-  if (!world->sweep.friction && !settings->depth_pressure) return;
+  if (!world->sweep.friction && !depth) return;
   for (int32_t i = 0; i < world->fluid->own; i++) {
     if (hc_list_count(&world->walls, i) == 0) continue;
     if (touches->count == touches->room)
@@ -117,7 +117,7 @@ void hc_wall_layer_list(hc_world *world, const hc_solver_settings *settings) {
 
 void hc_wall_layer_look(hc_world *world, const hc_solver_settings *settings, const float *pressure) {
   hc_touches *const touches = &world->touches;
-  hc_wall_layer_list(world, settings);
+  hc_wall_layer_list(world, pressure != NULL);
   for (size_t k = 0; k < touches->count && pressure; k++)
     find_depth(world, settings, pressure[touches->at[k].particle], touches->at[k].particle,
                touches->at[k].depth);

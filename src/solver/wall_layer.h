@@ -22,8 +22,9 @@
 
 #include "solver.h"
 
-/* As a step begins: lists the particles next to walls. Local. Behind hc_world_list. */
-void hc_wall_layer_list(hc_world *world, const hc_solver_settings *settings);
+/* As a step begins: lists the particles next to walls, if any have friction or depth acts. Local. Behind
+ * hc_world_list. */
+void hc_wall_layer_list(hc_world *world, bool depth);
 
 /* The same with what acts by depth. `pressure`: of the step before, Pa, by particle, with its accelerations;
  * null: no depth. Local. */

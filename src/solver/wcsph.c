@@ -42,7 +42,7 @@ static void evaluate(hc_world *world, const hc_solver_settings *settings, hc_ste
   hc_fault_watch_density(world, &report->fault);
 
   hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);
-  hc_wall_layer_list(world, settings);
+  hc_wall_layer_list(world, settings->depth_pressure);
   const double strongest = hc_weak_accelerations(world, weak, world->fluid->density_rate, world->listed);
   double most[2] = {largest_speed(world->fluid), strongest};
   hc_tally tally = {.count = 0};
