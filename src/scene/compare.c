@@ -86,6 +86,11 @@ hc_scene_changes hc_scene_compare(const hc_scene *before, const hc_scene *now) {
                                  open_memstream(&changes.refused, &lengths[1])};
   HC_CHECK(comparison.harmless && comparison.refused, "no memory to compare scenes");
   compare_tables(&comparison, &hc_params_scene, "", before, now);
+  if ((before->time_step.control == HC_TIME_INDIVIDUAL) != (now->time_step.control == HC_TIME_INDIVIDUAL))
+    fprintf(comparison.refused,
+            "%stime_step.control: individual steps, which have wider cells, cannot %s in a run",
+            ftell(comparison.refused) > 0 ? "; " : "",
+            now->time_step.control == HC_TIME_INDIVIDUAL ? "begin" : "end");
   const bool closed = fclose(comparison.harmless) == 0;
   HC_CHECK(fclose(comparison.refused) == 0 && closed, "no memory to compare scenes");
   return changes;

@@ -120,10 +120,22 @@ static hc_step_settings *global_settings(const hc_scene *scene) {
   return &settings->common;
 }
 
+/* A block of individual steps: so many of the longest; one where walls move, which are posed once in a block.
+ */
+static double individual_longest(const hc_scene *scene) {
+  static const double MOST = 4.0;
+  bool moves = false;
+  for (int k = 0; k < scene->boundary.wall_count; k++)
+    moves |= scene->boundary.walls[k].motion.type != HC_WALL_STANDS;
+  return (moves ? 1.0 : MOST) * global_longest(scene);
+}
+
 static hc_step_settings *individual_settings(const hc_scene *scene) {
-  hc_step_settings *settings = hc_alloc(1, sizeof *settings);
-  *settings = common_settings(scene, global_longest(scene));
-  return settings;
+  hc_individual_control *settings = hc_alloc(1, sizeof *settings);
+  *settings =
+      (hc_individual_control){common_settings(scene, individual_longest(scene)), global_longest(scene),
+                              0.5 * scene->time_step.margin * scene->support_radius};
+  return &settings->common;
 }
 
 /* ---- rules ---- */
@@ -182,6 +194,12 @@ static void complete_constant(hc_scene *scene, hc_findings *findings) {
 
 static void complete_individual(hc_scene *scene, hc_findings *findings) {
   static const double RAW = 0.5; /* of what powers of two bear */
+  if (scene->fluid.viscosity.model != HC_VISCOSITY_ARTIFICIAL)
+    hc_findings_warning(
+        findings, "fluid.viscosity.model",
+        "fluid.viscosity.model should be artificial with time_step.control individual: what "
+        "particles that are not active are guessed to do adds energy, which little viscosity leaves "
+        "there (Martin and Moyce's column with water's: 3 to 6 %%)");
   if (scene->time_step.steps != HC_STEPS_RAW) return;
   if (!hc_given_has(findings->given, "time_step.velocity")) scene->time_step.velocity *= RAW;
   if (!hc_given_has(findings->given, "time_step.force")) scene->time_step.force *= RAW;
@@ -199,7 +217,7 @@ static const struct {
     [HC_TIME_CFL] = {&hc_control_cfl, cfl_longest, cfl_settings, NULL},
     [HC_TIME_ADAPTIVE] = {&hc_control_adaptive, adaptive_longest, adaptive_settings, complete_adaptive},
     [HC_TIME_GLOBAL] = {&hc_control_global, global_longest, global_settings, NULL},
-    [HC_TIME_INDIVIDUAL] = {&hc_control_individual, global_longest, individual_settings,
+    [HC_TIME_INDIVIDUAL] = {&hc_control_individual, individual_longest, individual_settings,
                             complete_individual}};
 
 void hc_setup_control_complete(hc_scene *scene, hc_findings *findings) {

@@ -121,13 +121,15 @@ static double wcsph_longest(const hc_scene *scene) {
 
 static hc_solver_settings *wcsph_settings(const hc_scene *scene) {
   const double c = hc_setup_wave_speed(scene);
-  const hc_step_settings steps = {.longest = wcsph_longest(scene), .min = scene->time_step.min};
+  const double stable = wcsph_longest(scene), most = scene->time_step.max,
+               longest = most > 0.0 && most < stable ? most : stable;
+  const hc_step_settings steps = {.longest = longest, .min = scene->time_step.min};
   hc_wcsph_settings *settings = hc_alloc(1, sizeof *settings);
   settings->weak = (hc_weak_settings){.common = common_settings(scene),
                                       .tait = {(float)(c * c / 7.0), scene->solver.negative_pressure},
                                       .sound_speed = c,
                                       .fluctuation = scene->solver.density_fluctuation,
-                                      .longest = wcsph_longest(scene)};
+                                      .longest = longest};
   settings->individual = (hc_individual_settings){.on = scene->time_step.control == HC_TIME_INDIVIDUAL,
                                                   .raw = scene->time_step.steps == HC_STEPS_RAW,
                                                   .lasting = scene->time_step.blocks,

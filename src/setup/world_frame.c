@@ -54,14 +54,14 @@ static hc_status check_lengths(const hc_scene *scene, hc_error *error) {
   return HC_OK;
 }
 
-/* How wide cells are at least. */
-static double least_edge(const hc_scene *scene) {
+/* How wide cells are along open axes. */
+static double open_edge(const hc_scene *scene) {
   const double margin = scene->time_step.control == HC_TIME_INDIVIDUAL ? scene->time_step.margin : 0.0;
   return (1.0 + margin) * scene->support_radius;
 }
 
 static void open_axis(const hc_scene *scene, int axis, hc_frame *frame) {
-  frame->unit[axis] = least_edge(scene) / (double)HC_CELL_UNITS;
+  frame->unit[axis] = open_edge(scene) / (double)HC_CELL_UNITS;
   frame->spacing[axis] = nearest_even(scene->particle_spacing / frame->unit[axis]);
   frame->origin[axis] = scene->origin_cells[axis] * HC_CELL_UNITS;
   frame->period[axis] = 0;
@@ -69,7 +69,7 @@ static void open_axis(const hc_scene *scene, int axis, hc_frame *frame) {
 }
 
 static hc_status check_period(const hc_scene *scene, int axis, hc_error *error) {
-  const double spacing = scene->particle_spacing, radius = least_edge(scene);
+  const double spacing = scene->particle_spacing, radius = scene->support_radius;
   const double min = scene->domain.min[axis], period = scene->domain.max[axis] - min;
   const char name = axis_names[axis];
   if (!(period > 0) || !(fabs(min) + period <= (double)max_origin_cells * radius))
@@ -101,7 +101,8 @@ static hc_status check_period(const hc_scene *scene, int axis, hc_error *error) 
 
 static void periodic_axis(const hc_scene *scene, int axis, hc_frame *frame) {
   const double min = scene->domain.min[axis], period = scene->domain.max[axis] - min;
-  const int64_t cells = whole_cells(period, least_edge(scene));
+  const int64_t wide = whole_cells(period, open_edge(scene));
+  const int64_t cells = wide >= MIN_CELLS ? wide : whole_cells(period, scene->support_radius);
   const double edge = period / (double)cells;
   frame->unit[axis] = edge / (double)HC_CELL_UNITS;
   frame->period[axis] = cells * HC_CELL_UNITS;
@@ -111,17 +112,15 @@ static void periodic_axis(const hc_scene *scene, int axis, hc_frame *frame) {
   const int64_t min_cell = hc_frame_cell(min_units + HC_CELL_UNITS / 2);
   frame->low[axis] = (scene->origin_cells[axis] + min_cell) * HC_CELL_UNITS;
   frame->origin[axis] = frame->low[axis] - min_units;
-  if (edge < frame->support_radius + frame->margin) { /* by rounding */
-    frame->support_radius = fmin(frame->support_radius, edge);
-    frame->margin = edge - frame->support_radius;
-  }
+  if (edge < frame->support_radius) frame->support_radius = edge;
+  if (edge < frame->support_radius + frame->margin) frame->margin = edge - frame->support_radius;
 }
 
 hc_status hc_setup_frame(const hc_scene *scene, hc_frame *frame, hc_error *error) {
   hc_status status = check_lengths(scene, error);
   if (status) return status;
-  *frame = (hc_frame){.support_radius = scene->support_radius,
-                      .margin = least_edge(scene) - scene->support_radius};
+  *frame =
+      (hc_frame){.support_radius = scene->support_radius, .margin = open_edge(scene) - scene->support_radius};
   for (int a = 0; a < 3; a++) {
     if (!scene->domain.periodic[a]) {
       open_axis(scene, a, frame);

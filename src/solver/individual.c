@@ -20,7 +20,10 @@ typedef struct block {
   const hc_weak_settings *settings;
   const hc_individual_settings *individual;
   double unit;               /* s: of a tick */
+  double longest;            /* s: no step of a particle is longer */
   double now, next;          /* ticks: of this sub-step and of the one behind it */
+  double walls_shown;        /* ticks: where walls that move are shown */
+  double walls_fastest;      /* m/s: of them; of this rank's until it is reduced */
   double fastest, strongest; /* m/s, m/s2: largest of all particles */
   double used;               /* m: by which particles may have moved since they were listed */
   hc_selection active;       /* in this sub-step, and the same as bits */
@@ -84,6 +87,30 @@ static void drift(block *b) {
   b->strongest = sqrt(a2_max);
 }
 
+/* Shows walls that move where they are now, as they would go on from the block's beginning. */
+static void drift_walls(block *b) {
+  hc_particles *const walls = b->world->moving;
+  const double before = b->walls_shown * b->unit, now = b->now * b->unit;
+  for (int32_t k = 0; k < walls->own + walls->ghosts; k++)
+    for (int axis = 0; axis < 3; axis++) {
+      const double speed = (double)walls->motion[k].v[axis] / b->world->frame.unit[axis];
+      const int64_t change = llrint(now * speed) - llrint(before * speed);
+      walls->place[k].x[axis] = (int32_t)((uint32_t)walls->place[k].x[axis] + (uint32_t)(uint64_t)change);
+    }
+  b->walls_shown = b->now;
+}
+
+static double fastest_wall(const hc_particles *walls) {
+  double largest = 0.0;
+  for (int32_t k = 0; k < walls->own; k++) {
+    const float *const v = walls->motion[k].v;
+    const double square =
+        (double)v[0] * (double)v[0] + (double)v[1] * (double)v[1] + (double)v[2] * (double)v[2];
+    if (square > largest) largest = square;
+  }
+  return sqrt(largest);
+}
+
 /* Densities and pressures of all own particles as they are now. */
 static void fill_pressures(const block *b) {
   hc_particles *const fluid = b->world->fluid;
@@ -124,7 +151,8 @@ static void place_anew(block *b) {
   hc_world_list(world, NULL);
   hc_wall_layer_list(world, b->settings->common.depth_pressure);
   world->holds.count = 0;
-  b->used = 0.0;
+  b->used =
+      b->walls_fastest * b->now * b->unit; /* of walls, which are in the cells of the block's beginning */
 }
 
 /* ---- who is active ---- */
@@ -179,37 +207,46 @@ static void evaluate(block *b) {
 
 /* ---- how long their steps are: lines 12 and 16 ---- */
 
+/* The power of two that is no more than that. */
+static double power_below(double ticks) {
+  uint64_t bits;
+  memcpy(&bits, &ticks, sizeof bits);
+  bits &= 0xfff0000000000000u;
+  memcpy(&ticks, &bits, sizeof ticks);
+  return ticks;
+}
+
 /* A raw step in ticks. */
 static float raw_step(const block *b, int32_t i, hc_fault *fault) {
   const hc_particles *const fluid = b->world->fluid;
   const double h = b->world->frame.support_radius, *const v = &fluid->velocity[3 * (size_t)i];
   const float *const a = &fluid->force[3 * (size_t)i];
-  const double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]),
-               force = sqrt((double)a[0] * (double)a[0] + (double)a[1] * (double)a[1] +
-                            (double)a[2] * (double)a[2]);
-  double step = TICKS * b->unit;
-  if (!isfinite(speed) || !isfinite(force)) {
+  const double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  const double force =
+      sqrt((double)a[0] * (double)a[0] + (double)a[1] * (double)a[1] + (double)a[2] * (double)a[2]);
+  double step = b->longest;
+  if (!(speed < INFINITY && force < INFINITY)) { /* no number, too */
     hc_fault_note(fault, HC_FAULT_VALUE, 0.0, fluid->id[i]);
     return (float)TICKS;
   }
-  if (speed > 0.0) step = fmin(step, b->individual->velocity * h / speed);
-  if (force > 0.0) step = fmin(step, b->individual->force * sqrt(h / force));
+  if (step * speed > b->individual->velocity * h) step = b->individual->velocity * h / speed;
+  const double by_force =
+      b->individual->force * b->individual->force * h; /* over the force: a step's square */
+  if (step * step * force > by_force) step = sqrt(by_force / force);
   if (step < b->individual->shortest) {
     hc_fault_note(fault, HC_FAULT_TIME_STEP, speed, fluid->id[i]);
     step = b->individual->shortest;
   }
-  const double ticks = fmin(step / b->unit, TICKS);
-  if (b->individual->raw) return (float)fmax(1.0, floor(ticks));
-  int exponent;
-  frexp(ticks, &exponent);
-  return (float)fmax(1.0, ldexp(1.0, exponent - 1));
+  const double ticks = step / b->unit;
+  if (!(ticks < TICKS)) return (float)TICKS;
+  return (float)(b->individual->raw ? floor(ticks) : power_below(ticks));
 }
 
 /* When a step of so many ticks is over that begins at `from`, or, in powers of two, whose rhythm is taken up.
  */
 static float end_of(const block *b, double from, double step) {
   const double end = b->individual->raw ? from + step : (floor(b->now / step) + 1.0) * step;
-  return (float)fmin(end, TICKS);
+  return (float)(end < TICKS ? end : TICKS);
 }
 
 /* Active particles take over what was found, and their raw steps. */
@@ -248,8 +285,8 @@ static void spread_steps(block *b) {
       const float end = end_of(b, (double)schedule[LAST], (double)chosen->asked[i]);
       if (end < schedule[DUE]) schedule[DUE] = end;
     }
-    const double next = b->individual->raw ? b->now + fmax(1.0, (double)(schedule[DUE] - schedule[LAST]))
-                                           : (double)schedule[DUE];
+    const double next =
+        b->individual->raw ? b->now + (double)(schedule[DUE] - schedule[LAST]) : (double)schedule[DUE];
     if (next < soonest) soonest = next;
   }
   b->next = soonest;
@@ -302,15 +339,16 @@ static void plan(block *b) {
   spread_steps(b);
   hold(b);
   int64_t broken = b->report->fault.kind != HC_FAULT_NONE;
-  double most[3] = {-b->next, b->fastest, b->strongest};
+  double most[4] = {-b->next, b->fastest, b->strongest, b->walls_fastest};
   hc_tally tally = {.count = 0};
   hc_tally_max_i64(&tally, &broken, 1);
-  hc_tally_max_f64(&tally, most, 3);
+  hc_tally_max_f64(&tally, most, 4);
   hc_tally_reduce(world->comm, &tally);
   b->next = broken ? TICKS : -most[0];
+  b->walls_fastest = most[3];
   b->substeps++;
   /* a particle that is t s from its last activation moves by dt (v + t a), and t is within its own bound */
-  const double speed = most[1] + b->individual->force * sqrt(world->frame.support_radius * most[2]);
+  const double speed = most[1] + most[3] + b->individual->force * sqrt(world->frame.support_radius * most[2]);
   b->used += (b->next - b->now) * b->unit * speed;
 }
 
@@ -322,6 +360,7 @@ static void start(block *b) {
     schedule[RAW] = (float)TICKS;
     fluid->time_step[i] = 0.0f;
   }
+  b->walls_fastest = fastest_wall(b->world->moving);
   b->world->holds.count = 0;
   select_active(b);
   b->evaluated = fluid->own;
@@ -353,6 +392,9 @@ static void merge_holds(hc_holds *holds) {
 static void finish(block *b) {
   hc_particles *const fluid = b->world->fluid;
   drift(b);
+  drift_walls(b);
+  b->world->stores[HC_STORE_MOVING].moved |=
+      b->world->sweep.walls_move; /* the next placing puts them right */
   fill_pressures(b);
   for (int32_t i = 0; i < fluid->own; i++) {
     const double t = age(b, i), dt = TICKS * b->unit;
@@ -373,6 +415,7 @@ hc_status hc_individual_advance(hc_world *world, const hc_weak_settings *setting
              .settings = settings,
              .individual = individual,
              .unit = dt / TICKS,
+             .longest = fmin(dt, settings->longest),
              .fastest = report->v_max,
              .strongest = report->force_max,
              .report = report};
@@ -386,6 +429,7 @@ hc_status hc_individual_advance(hc_world *world, const hc_weak_settings *setting
       place_anew(&b);
     else
       drift(&b);
+    drift_walls(&b);
     select_active(&b);
     rebase(&b);
     evaluate(&b);

@@ -1,12 +1,12 @@
 /* Particles with time steps of their own in a weakly compressible fluid: He, Ban, Liu, Wang 2015, section 2.3
  * and algorithm 2.
  *
- * A step of the run is a block of sub-steps. At its beginning all particles are active; then each when its
- * own step is over: only active ones find their density, their forces and how long their next step is; the
- * others go on as they were last found, v = v_last + t a, x = x_last + t v, with densities that follow dD/dt
- * (lines 8, 9, 18 to 21). A particle's step is the least of its own raw step and those of its neighbours
- * (line 16); a neighbour that is not active is woken in time by one whose raw step is shorter. At a block's
- * end all are at one time again.
+ * A step of the run is a block of sub-steps, of one or several of the longest steps. At its beginning all
+ * particles are active; then each when its own step is over: only active ones find their density, their
+ * forces and how long their next step is; the others go on as they were last found, v = v_last + t a, x =
+ * x_last + t v, with densities that follow dD/dt (lines 8, 9, 18 to 21). A particle's step is the least of
+ * its own raw step and those of its neighbours (line 16); a neighbour that is not active is woken in time by
+ * one whose raw step is shorter. At a block's end all are at one time again.
  *
  * Times in a block are ticks, 2^-20 of it, so that they are exact. Steps are powers of two of it, due at
  * multiples of themselves, or the raw steps of the paper: then the next sub-step is as long as the shortest
@@ -14,7 +14,8 @@
  *
  * Beyond the paper: blocks; in raw steps too no particle steps across one, and its step is no longer than
  * sound is stable with. Where a neighbour's raw step has grown, line 16 would let an inactive particle's grow
- * at once; here it does when that particle is active. Walls that move stand still in a block.
+ * at once; here it does when that particle is active. Walls that move go on in a
+ * block as they are at its beginning.
  *
  * Lists are of all particles with a margin: cells are wider than the support. They hold until what particles
  * may have moved has used up half of it; then (or, without `lasting`, in every sub-step) particles are placed

@@ -2,11 +2,13 @@
 
 static double next(const hc_control *control, double dt_before, const hc_step_report *report,
                    hc_step_bound *bound) {
+  const hc_individual_control *settings = (const hc_individual_control *)control->settings;
   (void)dt_before;
-  (void)report;
   *bound = HC_BOUND_SIZE;
-  double dt = control->settings->longest;
-  hc_time_step_shorten(&dt, hc_time_step_viscous_bound(control->settings), HC_BOUND_VISCOUS, bound);
+  double step = settings->stable, dt;
+  hc_time_step_shorten(&step, hc_time_step_viscous_bound(control->settings), HC_BOUND_VISCOUS, bound);
+  for (dt = step; 2.0 * dt <= control->settings->longest && 2.0 * dt * report->v_max <= settings->reach;)
+    dt *= 2.0;
   return dt;
 }
 

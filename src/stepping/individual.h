@@ -1,11 +1,17 @@
 /* Steps of a run whose particles have steps of their own, which the solver finds (solver/individual.h): each
- * is a block of those, as long as sound and viscosity are stable with. */
+ * is a block of those, at least as long as sound and viscosity are stable with, and where the fluid is slow
+ * up to four times that, while nothing moves farther than lists reach. */
 #ifndef HC_STEPPING_INDIVIDUAL_H
 #define HC_STEPPING_INDIVIDUAL_H
 
 #include "control.h"
 
-/* Its settings are the common ones. */
+typedef struct hc_individual_control {
+  hc_step_settings common; /* longest: of a block */
+  double stable;           /* s: no particle's step is longer */
+  double reach;            /* m: half the margin of lists */
+} hc_individual_control;
+
 extern const hc_control_ops hc_control_individual;
 
 #endif

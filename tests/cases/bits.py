@@ -62,6 +62,29 @@ def eddies(case, steps):
     return f"{steps} steps with dfsph and with pcisph, and gauges.csv, are the same on 1, 3, 7 ranks"
 
 
+WEAK = {"constant": ("time_step.control=constant", "time_step.size=0.0005"), "global": ("time_step.control=global",),
+        "powers": ("time_step.control=individual",), "raw": ("time_step.control=individual", "time_step.steps=raw"),
+        "unlasting": ("time_step.control=individual", "time_step.blocks=false")}
+
+
+def weak(case, steps):
+    """wcsph with steps of every kind, moving walls, emitters and gauges, METIS every few steps, a million cells away too."""
+    steps = steps or 40
+    for name, control in WEAK.items():
+        settings = ("solver.method=wcsph", "fluid.viscosity={model: artificial, coefficient: 0.1}", *control)
+        runs = [case.run("tests/cases/gauges.yaml", f"weak_{name}_{ranks}", ranks,
+                         (*settings, "parallel.rebalance=metis", f"parallel.rebalance_every={ranks}"), ["--steps", steps])
+                for ranks in ((1, 2, 3, 4, 7) if name == "powers" else (1, 3))]
+        runs.append(case.run("tests/cases/gauges.yaml", f"weak_{name}_far", 2, (*settings, "origin_cells=[1000000,-1000000,7]"),
+                             ["--steps", steps]))
+        for run in runs[1:]:
+            compare(case, runs[0], run)
+            c.expect_same_text(runs[0] / "gauges.csv", run / "gauges.csv")
+        substeps = sum(int(row["substeps"]) for row in c.steps(runs[0]))
+        c.expect((substeps > steps) == ("individual" in control[0]), f"{name}: {substeps} sub-steps in {steps} steps")
+    return f"{steps} steps with {', '.join(WEAK)} steps, and gauges.csv, are the same on 1 and 3 ranks, powers on 2, 4, 7 too, and far away"
+
+
 def round_tank(case, steps):
     """Round and tilted shapes in an open cylinder."""
     return ranks_agree(case, "tests/cases/round_tank.yaml", (1, 3), (), steps or 100)
@@ -163,7 +186,7 @@ def diff_sees(case, steps):
 
 
 if __name__ == "__main__":
-    c.main(__doc__, {"dam_break": dam_break, "vortices": vortices, "gauges": gauges, "eddies": eddies, "drop": drop,
+    c.main(__doc__, {"dam_break": dam_break, "vortices": vortices, "gauges": gauges, "eddies": eddies, "weak": weak, "drop": drop,
                      "round_tank": round_tank,
                      "boundary_methods": boundary_methods, "shock": shock, "rebalanced": rebalanced,
                      "far_away": far_away, "instruction_sets": instruction_sets, "diff_sees": diff_sees})

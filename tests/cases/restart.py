@@ -99,6 +99,19 @@ def eddies(case, _):
     return "60 steps with a stop after 40: the same bytes"
 
 
+def weak(case, _):
+    """The same with wcsph, whose particles have steps of their own, or one for all."""
+    for control in ("individual", "individual, steps: raw", "global"):
+        scene = scene_of(case, SCENE.replace("fluid: {", "solver: {method: wcsph}\ntime_step: {control: " + control + "}\nfluid: {"))
+        one, other = case.folder / "at_once", case.folder / "in_two"
+        launch(case, scene, one, 1, ["--steps", 60, "--force"])
+        launch(case, scene, other, 3, ["--steps", 40, "--force", "--set", "parallel.rebalance_every=4"])
+        launch(case, scene, other, 7, ["--steps", 60, "--restart"])
+        expect_same_run(case, one, other)
+    launch(case, scene, other, 1, ["--steps", 70, "--restart", "--set", "time_step.control=individual"], expected=2)
+    return "60 steps with a stop after 40: the same bytes; other cells are refused"
+
+
 REBALANCES = ["none", "slabs", "metis"]
 
 
@@ -359,5 +372,5 @@ def disk_full(case, _):
 
 
 if __name__ == "__main__":
-    main(__doc__, {"exact": exact, "brief": brief, "eddies": eddies, "stops": stops, "scenes": scenes, "choice": choice, "taken_back": taken_back, "losses": losses, "damage": damage,
+    main(__doc__, {"exact": exact, "brief": brief, "eddies": eddies, "weak": weak, "stops": stops, "scenes": scenes, "choice": choice, "taken_back": taken_back, "losses": losses, "damage": damage,
                    "disk_full": disk_full})
