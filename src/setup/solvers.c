@@ -129,6 +129,7 @@ static hc_solver_settings *wcsph_settings(const hc_scene *scene) {
                                       .tait = {(float)(c * c / 7.0), scene->solver.negative_pressure},
                                       .sound_speed = c,
                                       .fluctuation = scene->solver.density_fluctuation,
+                                      .support_radius = scene->support_radius,
                                       .longest = longest};
   settings->individual = (hc_individual_settings){.on = scene->time_step.control == HC_TIME_INDIVIDUAL,
                                                   .raw = scene->time_step.steps == HC_STEPS_RAW,

@@ -97,6 +97,9 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_world_place(world);
   if (hc_population_change(&simulation->population, world, simulation->time)) hc_world_place(world);
   double dt = control->ops->when == HC_CONTROL_FROM_STATE ? next_step(simulation) : 0.0;
+  const hc_step_report seen = hc_simulation_seen_by_control(simulation);
+  if (simulation->solver->reach)
+    hc_world_reach(world, simulation->solver->reach(simulation->solver_settings, &seen, dt));
   hc_world_list(world, NULL);
   if (simulation->solver->evaluate)
     simulation->solver->evaluate(world, simulation->solver_settings, &simulation->report);

@@ -25,6 +25,7 @@ typedef struct block {
   double walls_shown;        /* ticks: where walls that move are shown */
   double walls_fastest;      /* m/s: of them; of this rank's until it is reduced */
   double fastest, strongest; /* m/s, m/s2: largest of all particles */
+  double speed;              /* m/s: no particle goes on faster */
   double used;               /* m: by which particles may have moved since they were listed */
   hc_selection active;       /* in this sub-step, and the same as bits */
   const uint64_t *chosen;
@@ -59,30 +60,61 @@ static void go_on(const block *b, int32_t i, double t, double velocity[3], int64
   }
 }
 
-/* Shows all own particles to the sweeps as they are now. */
+/* Room for all own particles to be chosen; none is. */
+static void clear_chosen(block *b) {
+  const int32_t own = b->world->fluid->own;
+  hc_chosen *const chosen = &b->world->chosen;
+  const size_t words = (size_t)own / 64 + 1;
+  hc_reserve((void **)&chosen->index, &chosen->index_room, (size_t)own + 1, 0, sizeof *chosen->index);
+  hc_reserve((void **)&chosen->bits, &chosen->bits_room, words, 0, sizeof *chosen->bits);
+  memset(chosen->bits, 0, words * sizeof *chosen->bits);
+  b->chosen = chosen->bits;
+}
+
+static void choose(const block *b, int32_t i, int32_t *count) {
+  b->world->chosen.index[(*count)++] = i;
+  b->world->chosen.bits[i / 64] |= (uint64_t)1 << (i % 64);
+}
+
+/* Shows all own particles to the sweeps as they are now; those that are due become active, and go on from
+ * here. */
 static void drift(block *b) {
   hc_particles *const fluid = b->world->fluid;
   double v2_max = 0.0, a2_max = 0.0;
+  int32_t count = 0;
+  clear_chosen(b);
   for (int32_t i = 0; i < fluid->own; i++) {
+    float *const schedule = schedule_of(b, i);
     const double t = age(b, i);
-    const float relative = relative_density(b, i, t);
+    const bool due = (double)schedule[DUE] <= b->now;
     hc_record *const place = &fluid->place[i], *const motion = &fluid->motion[i];
     double velocity[3], v2 = 0.0, a2 = 0.0;
     int64_t way[3];
     go_on(b, i, t, velocity, way);
     for (int axis = 0; axis < 3; axis++) {
-      const double a = (double)fluid->force[3 * (size_t)i + (size_t)axis];
-      place->x[axis] =
-          (int32_t)(uint32_t)(uint64_t)(fluid->position[3 * (size_t)i + (size_t)axis] + way[axis]);
+      const size_t at = 3 * (size_t)i + (size_t)axis;
+      const double a = (double)fluid->force[at];
+      const int64_t position = fluid->position[at] + way[axis];
+      place->x[axis] = (int32_t)(uint32_t)(uint64_t)position;
       motion->v[axis] = (float)velocity[axis];
       v2 += velocity[axis] * velocity[axis];
       a2 += a * a;
+      if (!due) continue;
+      fluid->position[at] = position;
+      fluid->velocity[at] = velocity[axis];
     }
-    place->scalar = hc_tait_push(hc_tait_pressure(&b->settings->tait, relative), relative);
-    motion->scalar = schedule_of(b, i)[RAW];
+    motion->scalar = schedule[RAW];
     if (v2 > v2_max) v2_max = v2;
     if (a2 > a2_max) a2_max = a2;
+    if (due) {
+      schedule[LAST] = (float)b->now;
+      choose(b, i, &count);
+    } else {
+      const float relative = relative_density(b, i, t);
+      place->scalar = hc_tait_push(hc_tait_pressure(&b->settings->tait, relative), relative);
+    }
   }
+  b->active = (hc_selection){b->world->chosen.index, 0, count, true};
   b->fastest = sqrt(v2_max);
   b->strongest = sqrt(a2_max);
 }
@@ -139,6 +171,19 @@ static void shift(const block *b, int to) {
 
 /* ---- cells and lists ---- */
 
+/* How fast a particle may go on: one that was active t s ago moves by dt (v + t a), and its own step bounds t
+ * a. */
+static double speed_bound(const hc_individual_settings *individual, double h, double fastest,
+                          double strongest) {
+  return fastest + individual->force * sqrt(h * strongest);
+}
+
+double hc_individual_reach(const hc_weak_settings *settings, const hc_individual_settings *individual,
+                           double speed, double force, double dt) {
+  static const double BOTH = 2.0, SPARE = 1.1; /* it becomes faster */
+  return BOTH * SPARE * dt * speed_bound(individual, settings->support_radius, speed, force);
+}
+
 static void place_anew(block *b) {
   hc_world *const world = b->world;
   shift(b, 1);
@@ -148,6 +193,8 @@ static void place_anew(block *b) {
   hc_world_place(world);
   shift(b, -1);
   drift(b);
+  hc_world_reach(world,
+                 hc_individual_reach(b->settings, b->individual, b->speed, 0.0, (TICKS - b->now) * b->unit));
   hc_world_list(world, NULL);
   hc_wall_layer_list(world, b->settings->common.depth_pressure);
   world->holds.count = 0;
@@ -155,41 +202,7 @@ static void place_anew(block *b) {
       b->walls_fastest * b->now * b->unit; /* of walls, which are in the cells of the block's beginning */
 }
 
-/* ---- who is active ---- */
-
-static void select_active(block *b) {
-  hc_world *const world = b->world;
-  const int32_t own = world->fluid->own;
-  hc_chosen *const chosen = &world->chosen;
-  const size_t words = (size_t)own / 64 + 1;
-  hc_reserve((void **)&chosen->index, &chosen->index_room, (size_t)own + 1, 0, sizeof *chosen->index);
-  hc_reserve((void **)&chosen->bits, &chosen->bits_room, words, 0, sizeof *chosen->bits);
-  memset(chosen->bits, 0, words * sizeof *chosen->bits);
-  int32_t count = 0;
-  for (int32_t i = 0; i < own; i++) {
-    if ((double)schedule_of(b, i)[DUE] > b->now) continue;
-    chosen->index[count++] = i;
-    chosen->bits[i / 64] |= (uint64_t)1 << (i % 64);
-  }
-  b->active = (hc_selection){chosen->index, 0, count, true};
-  b->chosen = chosen->bits;
-}
-
-/* From now on active particles go on from here. */
-static void rebase(const block *b) {
-  hc_particles *const fluid = b->world->fluid;
-  for (int32_t row = b->active.begin; row < b->active.end; row++) {
-    const int32_t i = b->active.index[row];
-    double velocity[3];
-    int64_t way[3];
-    go_on(b, i, age(b, i), velocity, way);
-    for (int axis = 0; axis < 3; axis++) {
-      fluid->position[3 * (size_t)i + (size_t)axis] += way[axis];
-      fluid->velocity[3 * (size_t)i + (size_t)axis] = velocity[axis];
-    }
-    schedule_of(b, i)[LAST] = (float)b->now;
-  }
-}
+/* ---- what active particles find ---- */
 
 /* Lines 3 to 11 of active particles; ghosts are brought up to date before. */
 static void evaluate(block *b) {
@@ -347,9 +360,8 @@ static void plan(block *b) {
   b->next = broken ? TICKS : -most[0];
   b->walls_fastest = most[3];
   b->substeps++;
-  /* a particle that is t s from its last activation moves by dt (v + t a), and t is within its own bound */
-  const double speed = most[1] + most[3] + b->individual->force * sqrt(world->frame.support_radius * most[2]);
-  b->used += (b->next - b->now) * b->unit * speed;
+  b->speed = speed_bound(b->individual, world->frame.support_radius, most[1], most[2]) + most[3];
+  b->used += (b->next - b->now) * b->unit * b->speed;
 }
 
 static void start(block *b) {
@@ -362,8 +374,11 @@ static void start(block *b) {
   }
   b->walls_fastest = fastest_wall(b->world->moving);
   b->world->holds.count = 0;
-  select_active(b);
-  b->evaluated = fluid->own;
+  int32_t count = 0;
+  clear_chosen(b);
+  for (int32_t i = 0; i < fluid->own; i++) choose(b, i, &count);
+  b->active = (hc_selection){b->world->chosen.index, 0, count, true};
+  b->evaluated = count;
 }
 
 static int by_particle(const void *a, const void *b) {
@@ -391,17 +406,15 @@ static void merge_holds(hc_holds *holds) {
  * placed anew. */
 static void finish(block *b) {
   hc_particles *const fluid = b->world->fluid;
+  fill_pressures(b);
   drift(b);
   drift_walls(b);
   b->world->stores[HC_STORE_MOVING].moved |=
       b->world->sweep.walls_move; /* the next placing puts them right */
-  fill_pressures(b);
+  const double dt = TICKS * b->unit;
   for (int32_t i = 0; i < fluid->own; i++) {
-    const double t = age(b, i), dt = TICKS * b->unit;
-    for (size_t axis = 3 * (size_t)i; axis < 3 * (size_t)i + 3; axis++) {
-      fluid->velocity[axis] += t * (double)fluid->force[axis];
+    for (size_t axis = 3 * (size_t)i; axis < 3 * (size_t)i + 3; axis++)
       fluid->acceleration[axis] = (float)(fluid->velocity[axis] - dt * (double)fluid->force[axis]);
-    }
     fluid->time_step[i] = (float)dt / fluid->time_step[i];
   }
   merge_holds(&b->world->holds);
@@ -425,13 +438,11 @@ hc_status hc_individual_advance(hc_world *world, const hc_weak_settings *setting
     b.now = b.next;
     if (!(b.now < TICKS)) break;
     hc_stopwatch_enter(&world->watch, HC_STAGE_STEPS);
-    if (!individual->lasting || b.used > 0.5 * world->frame.margin)
+    if (!individual->lasting || b.used > 0.5 * world->margin)
       place_anew(&b);
     else
       drift(&b);
     drift_walls(&b);
-    select_active(&b);
-    rebase(&b);
     evaluate(&b);
   }
   hc_stopwatch_enter(&world->watch, HC_STAGE_MOVE);

@@ -33,6 +33,11 @@ typedef struct hc_individual_settings {
   double shortest;        /* s: no particle's step may be shorter */
 } hc_individual_settings;
 
+/* How far lists must reach beyond the support for a block of dt, m, by the largest speed and acceleration
+ * before it: pairs may come nearer from both sides. */
+double hc_individual_reach(const hc_weak_settings *settings, const hc_individual_settings *individual,
+                           double speed, double force, double dt);
+
 /* Moves all particles by a block of dt. As hc_solver_ops.step. Before: placed, listed, accelerations and
  * pressures of all found, with dD/dt in fluid->drift. Collective. */
 hc_status hc_individual_advance(hc_world *world, const hc_weak_settings *settings,

@@ -10,6 +10,7 @@
  *              steadier    default: none
  *              goes_back   default: as many as the step control does
  *              check_start default: any start will do
+ *              reach       default: as far as the frame's margin
  *              evaluate    default: what acts hangs on the step
  *              describe, summary  default: nothing to say
  * Its settings begin with the common ones. */
@@ -82,6 +83,9 @@ typedef struct hc_solver_ops {
   int goes_back; /* steps taken back at once, at least, where the control takes back any: 2 where the step
                     before the one that diverges may have spoilt the state */
 
+  /* How far lists must reach beyond the support in a step of dt, m, given what the last one reported. Local.
+   */
+  double (*reach)(const hc_solver_settings *settings, const hc_step_report *report, double dt);
   /* Finds what acts as a step begins, of whatever length: densities, accelerations; into the report, the same
    * on every rank, v_max, force_max, the largest acceleration, and the density errors. Collective. Before:
    * hc_world_update. */

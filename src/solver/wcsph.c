@@ -78,6 +78,12 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
   return hc_move(world, settings, dt, HC_MOVE_BY_VELOCITY, false, report, error);
 }
 
+static double reach(const hc_solver_settings *settings, const hc_step_report *report, double dt) {
+  const hc_wcsph_settings *const own = own_of(settings);
+  if (!own->individual.on) return 0.0;
+  return hc_individual_reach(&own->weak, &own->individual, report->v_max, report->force_max, dt);
+}
+
 static void densities(hc_world *world, const hc_solver_settings *settings) {
   hc_error_total total;
   memset(&total, 0, sizeof total);
@@ -107,6 +113,7 @@ const hc_solver_ops hc_solver_wcsph = {.name = "wcsph",
                                        .compressible = true,
                                        .squared_walls = true,
                                        .controls = controls,
+                                       .reach = reach,
                                        .evaluate = evaluate,
                                        .step = step,
                                        .densities = densities,

@@ -8,9 +8,10 @@
 typedef struct hc_weak_settings {
   hc_solver_settings common;
   hc_tait tait;
-  double sound_speed; /* m/s */
-  double fluctuation; /* permitted on average, a fraction of the rest density */
-  double longest;     /* s: the longest step that is stable */
+  double sound_speed;    /* m/s */
+  double fluctuation;    /* permitted on average, a fraction of the rest density */
+  double support_radius; /* m */
+  double longest;        /* s: the longest step that is stable */
 } hc_weak_settings;
 
 /* The lists are of all particles; `selection` is all, or with an index of_all. Local but for the halo. */

@@ -23,6 +23,7 @@ void hc_neighbors_free(hc_neighbors *list) {
 void hc_neighbor_search_init(hc_neighbor_search *search, hc_isa isa) {
   memset(search, 0, sizeof *search);
   search->isa = isa;
+  search->reach = HC_CUT_EDGE;
 }
 
 void hc_neighbor_search_free(hc_neighbor_search *search) {

@@ -13,6 +13,7 @@
 
 enum {
   HC_LIST_GROUP = 8,
+  HC_CUT_EDGE = 4096, /* a cell edge as the search measures */
   HC_NEIGHBOR_SLACK = 32,
   HC_NEIGHBOR_SOURCES = 2, /* stores that one list may lead to */
   HC_CELL_MOST = 4096      /* particles of a cell that get neighbours: at rest there are some ten */
@@ -55,6 +56,7 @@ void hc_neighbors_free(hc_neighbors *list);
 /* What a build works with, kept between builds for its memory. */
 typedef struct hc_neighbor_search {
   hc_isa isa;
+  int32_t reach;   /* of lists, HC_CUT_EDGE at most, which it is at first */
   int32_t *xy, *z; /* candidates, packed: positions cut to 16 bits, see neighbors_isa.c */
   uint32_t *offset;
   size_t candidate_capacity;

@@ -27,9 +27,11 @@ static const uint64_t hc_compress_places[256] = {HC_SIXTY_FOUR(0), HC_SIXTY_FOUR
                                                  HC_SIXTY_FOUR(192)};
 #endif
 
-/* A distance of one cell edge is 4096; each of two cut positions may hide less than 1, so a component less
- * than 1 and a distance less than sqrt(3). */
-enum { NEAR = (4096 + 2) * (4096 + 2) };
+/* A distance of one cell edge is HC_CUT_EDGE; each of two cut positions may hide less than 1, so a component
+ * less than 1 and a distance less than sqrt(3). */
+static inline int32_t near_of(const hc_neighbor_search *search) {
+  return (search->reach + 2) * (search->reach + 2);
+}
 
 /* x and y in one word, z in another. */
 HC_INLINE int32_t cut_xy(const hc_record *place) {
@@ -63,11 +65,11 @@ static void append(hc_neighbor_search *search, int32_t end, const hc_record *pla
  * many. Reads and writes up to sixteen entries further. */
 HC_INLINE int32_t filter(const int32_t *restrict all_xy, const int32_t *restrict all_z,
                          const uint32_t *restrict all_offsets, int32_t count, const hc_record *self,
-                         uint32_t self_offset, uint32_t *restrict out) {
+                         uint32_t self_offset, int32_t most, uint32_t *restrict out) {
   uint32_t *next = out;
 #if HC_HAS_AVX512
   const __m512i own_xy = _mm512_set1_epi32(cut_xy(self)), own_z = _mm512_set1_epi32(cut_z(self)),
-                own_offset = _mm512_set1_epi32((int)self_offset), near = _mm512_set1_epi32(NEAR);
+                own_offset = _mm512_set1_epi32((int)self_offset), near = _mm512_set1_epi32(most);
   for (int32_t k = 0; k < count; k += 16) {
     const __m512i offset = _mm512_loadu_si512(all_offsets + k);
     const __m512i xy = _mm512_sub_epi16(own_xy, _mm512_loadu_si512(all_xy + k));
@@ -81,7 +83,7 @@ HC_INLINE int32_t filter(const int32_t *restrict all_xy, const int32_t *restrict
   }
 #elif HC_HAS_AVX2
   const __m256i own_xy = _mm256_set1_epi32(cut_xy(self)), own_z = _mm256_set1_epi32(cut_z(self)),
-                own_offset = _mm256_set1_epi32((int)self_offset), beyond = _mm256_set1_epi32(NEAR + 1);
+                own_offset = _mm256_set1_epi32((int)self_offset), beyond = _mm256_set1_epi32(most + 1);
   for (int32_t k = 0; k < count; k += 8) {
     const __m256i offset = _mm256_loadu_si256((const __m256i *)(all_offsets + k));
     const __m256i xy = _mm256_sub_epi16(own_xy, _mm256_loadu_si256((const __m256i *)(all_xy + k)));
@@ -101,7 +103,7 @@ HC_INLINE int32_t filter(const int32_t *restrict all_xy, const int32_t *restrict
     const int32_t x = (int16_t)((uint32_t)own_xy - (uint32_t)all_xy[k]), z = (int16_t)(own_z - all_z[k]),
                   y = (int16_t)(((uint32_t)own_xy >> 16) - ((uint32_t)all_xy[k] >> 16));
     *next = all_offsets[k];
-    next += x * x + y * y + z * z <= NEAR && all_offsets[k] != self_offset;
+    next += x * x + y * y + z * z <= most && all_offsets[k] != self_offset;
   }
 #endif
   return (int32_t)(next - out);
@@ -110,13 +112,14 @@ HC_INLINE int32_t filter(const int32_t *restrict all_xy, const int32_t *restrict
 static size_t rows(hc_neighbors *list, const hc_neighbor_search *search, int32_t begin, int32_t end,
                    const hc_record *place, hc_selection selection, bool same, size_t used) {
   uint32_t *const begins = list->row, *const entries = list->offset;
+  const int32_t most = near_of(search);
   int64_t pairs = 0;
   for (int32_t row = selection.begin; row < selection.end; row++) {
     const int32_t i = hc_selected(selection, row);
     const uint32_t self = same ? (uint32_t)i * (uint32_t)sizeof(hc_record) : UINT32_MAX;
     uint32_t *out = entries + used;
     const int32_t hits = filter(search->xy + begin, search->z + begin, search->offset + begin, end - begin,
-                                &place[i], self, out);
+                                &place[i], self, most, out);
     const uint32_t filler = same || hits == 0 ? self : out[0];
     for (int pad = 0; pad < HC_LIST_GROUP; pad++) out[hits + pad] = filler;
     const uint32_t fillers = -(uint32_t)hits % HC_LIST_GROUP;

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "particles/ids.h"
 
+#include <math.h>
 #include <string.h>
 
 static void init_stores(hc_world *world, unsigned features) {
@@ -27,6 +28,7 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
   hc_stopwatch_start(&world->watch);
   world->comm = comm;
   world->frame = settings->frame;
+  world->margin = settings->frame.margin;
   world->mass = settings->mass;
   world->volume_factor = settings->volume_factor;
   world->contact_limit = settings->contact_limit;
@@ -195,6 +197,16 @@ void hc_world_place(hc_world *world) {
       fluid->motion[k].v[axis] = (float)fluid->velocity[3 * (size_t)k + axis];
     fluid->motion[k].scalar = 0.0f;
   }
+}
+
+void hc_world_reach(hc_world *world, double margin) {
+  const hc_frame *const frame = &world->frame;
+  world->margin = fmin(margin, frame->margin);
+  world->search.reach = HC_CUT_EDGE;
+  if (world->margin == frame->margin) return;
+  const double edge = fmin(frame->unit[0], fmin(frame->unit[1], frame->unit[2])) * (double)HC_CELL_UNITS;
+  world->search.reach =
+      (int32_t)ceil(HC_CUT_EDGE * fmin(1.0, (frame->support_radius + world->margin) / edge));
 }
 
 void hc_world_list(hc_world *world, const hc_selection *selection) {

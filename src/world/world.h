@@ -45,6 +45,7 @@ typedef struct hc_world {
   size_t contact_room;
   hc_holds holds;
   hc_touches touches;
+  double margin; /* m: by which lists reach farther than the support, at least */
   hc_chosen chosen;
   hc_wall_friction *friction; /* see hc_sweep; owned */
   const hc_sweeps *sweeps;
@@ -94,6 +95,10 @@ void hc_world_rebalance(hc_world *world, hc_divider divider, double busy);
  * something has set `moved`. Afterwards place and motion of own fluid particles are current (1/density is not
  * known yet), of ghosts place. Collective. */
 void hc_world_place(hc_world *world);
+
+/* Lists made from now on reach `margin` m farther than the support, and no farther than the frame's. Local.
+ */
+void hc_world_reach(hc_world *world, double margin);
 
 /* The neighbour lists of selected fluid particles (null: all), and ghosts' motion. Behind hc_world_place.
  * Collective. */

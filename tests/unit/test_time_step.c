@@ -1,6 +1,8 @@
 /* The choice of the time step: which bound governs, and how a run ends. */
 #include "stepping/cfl.h"
 #include "stepping/constant.h"
+#include "stepping/global.h"
+#include "stepping/individual.h"
 
 #include <check.h>
 #include <math.h>
@@ -314,6 +316,36 @@ START_TEST(every_bound_has_a_name) {
 }
 END_TEST
 
+/* He et al. 2015, eq. 6 to 8, and sound. */
+START_TEST(global_steps_follow_speeds_and_forces) {
+  const hc_global_settings settings = {
+      {.longest = 0.001, .support_radius = 0.04, .end_time = 100.0}, 0.1, 0.05};
+  const hc_control control = of(&hc_control_global, &settings.common);
+  expect_of(control, 0, 1, moving(0, 0), HC_BOUND_SIZE, 0.001);
+  expect_of(control, 0, 1, moving(8, 20), HC_BOUND_VELOCITY, 0.1 * 0.04 / 8);
+  expect_of(control, 0, 1, moving(8, 4e4), HC_BOUND_FORCE, 0.05 * sqrt(0.04 / 4e4));
+  ck_assert(fabs(hc_control_usual(&control, 8.0) - 0.0005) < 1e-15 &&
+            hc_control_usual(&control, 0.1) == 0.001);
+}
+END_TEST
+
+/* A block is of one longest step, or of two or four where nothing moves farther in it than lists reach. */
+START_TEST(blocks_are_longer_in_calm_water) {
+  hc_individual_control settings = {
+      {.longest = 0.004, .support_radius = 0.04, .end_time = 100.0}, 0.001, 0.004};
+  const hc_control control = of(&hc_control_individual, &settings.common);
+  expect_of(control, 0, 1, moving(0, 0), HC_BOUND_SIZE, 0.004);
+  expect_of(control, 0, 1, moving(0.99, 1e9), HC_BOUND_SIZE, 0.004);
+  expect_of(control, 0, 1, moving(1.01, 0), HC_BOUND_SIZE, 0.002);
+  expect_of(control, 0, 1, moving(2.01, 0), HC_BOUND_SIZE, 0.001);
+  expect_of(control, 0, 1, moving(100, 0), HC_BOUND_SIZE, 0.001);
+  settings.common.viscosity = 0.0625;
+  expect_of(control, 0, 1, moving(0, 0), HC_BOUND_VISCOUS, 0.0032);
+  settings.common.viscosity = 0.125;
+  expect_of(control, 0, 1, moving(100, 0), HC_BOUND_VISCOUS, 0.125 * 0.02 * 0.02 / 0.125);
+}
+END_TEST
+
 int main(void) {
   Suite *const suite = suite_create("time_step");
   TCase *const cases = tcase_create("bounds");
@@ -333,6 +365,8 @@ int main(void) {
   tcase_add_test(cases, steps_have_a_floor);
   tcase_add_test(cases, defaults_of_a_control);
   tcase_add_test(cases, every_bound_has_a_name);
+  tcase_add_test(cases, global_steps_follow_speeds_and_forces);
+  tcase_add_test(cases, blocks_are_longer_in_calm_water);
   suite_add_tcase(suite, cases);
   SRunner *const runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);
