@@ -41,7 +41,7 @@ typedef struct hc_job_counts {
   int64_t snapshots; /* written, those of the last moment of a stopped run not counted */
   int64_t departed;  /* particles whose leaving was told one by one, then steps in which more left */
   int64_t blocked;   /* particles of emitters that were left out */
-  int64_t density_caps, divergence_caps, contacts, compressed_steps;
+  int64_t density_caps, divergence_caps, contacts, compressed_steps, doubts;
   double shortest_step, longest_step; /* s */
   double gauge_time;                  /* s, of the last regular row of gauges.csv; -1: none */
 } hc_job_counts;

@@ -27,6 +27,7 @@ void hc_job_register(hc_job *job) {
   hc_state_add(state, HC_TYPE_i64, 1, &counts->divergence_caps, "divergence_caps");
   hc_state_add(state, HC_TYPE_i64, 1, &counts->contacts, "contacts");
   hc_state_add(state, HC_TYPE_i64, 1, &counts->compressed_steps, "compressed_steps");
+  hc_state_add(state, HC_TYPE_i64, 1, &counts->doubts, "doubts");
   hc_state_add(state, HC_TYPE_f64, 1, &counts->shortest_step, "shortest_step");
   hc_state_add(state, HC_TYPE_f64, 1, &counts->longest_step, "longest_step");
   hc_state_add(state, HC_TYPE_f64, 1, &counts->gauge_time, "gauge_time");

@@ -204,6 +204,10 @@ static void judge_step(hc_job *job, char *event, size_t size) {
                         (long long)simulation->step, 100.0 * report->density_error_max,
                         100.0 * HC_JOB_MOST_COMPRESSION);
   }
+  char text[256];
+  if (simulation->solver->doubt &&
+      simulation->solver->doubt(simulation->solver_settings, report, text, sizeof text))
+    hc_log_warn_counted(&job->log, ++job->counts.doubts, "step %lld: %s", (long long)simulation->step, text);
   tell_departures(job, event, size);
   if (simulation->control.before > 0)
     snprintf(event + strlen(event), size - strlen(event), "%srollback:%lld", event[0] ? "+" : "",

@@ -7,8 +7,9 @@
 #include <math.h>
 
 enum {
-  SORT = 12, /* the sort's work space, which forces use too */
-  ROW = 4,   /* where a list's row begins */
+  SORT = 12,  /* the sort's work space, which forces use too */
+  CHOSEN = 8, /* who is active, and what is asked of each */
+  ROW = 4,    /* where a list's row begins */
   ENTRIES =
       17,    /* bytes of a row's entries, times the cube of the support radius in spacings: fluid at rest */
   CELLS = 4, /* bytes of a brick's tables for a particle of fluid, where eight fill a cell, */
@@ -23,8 +24,13 @@ static bool any_moves(const hc_scene *scene) {
   return hc_settings_features(scene) & HC_FOR_MOVERS;
 }
 
+static bool has_own_steps(const hc_scene *scene) {
+  return hc_settings_features(scene) & HC_FOR_INDIVIDUAL;
+}
+
 static double entries(const hc_scene *scene) {
-  return ENTRIES * pow(scene->support_radius / scene->particle_spacing, 3);
+  const double reach = has_own_steps(scene) ? 1.0 + scene->time_step.margin : 1.0;
+  return ENTRIES * pow(reach * scene->support_radius / scene->particle_spacing, 3);
 }
 
 /* Boundary particles of scenes where some walls move are taken for moving ones. */
@@ -36,8 +42,9 @@ double hc_footprint_fluid(const hc_scene *scene) {
   /* to go back to, and one more while a checkpoint is written */
   const int back = hc_setup_goes_back(scene), copies = back + (back > 1); /* and the state of now */
   const bool rigid = hc_settings_boundary(scene)->collide != NULL;
-  return SLACK * ((double)hc_particles_bytes(HC_FLUID, hc_settings_features(scene)) + SORT + CELLS + 2 * ROW +
-                  entries(scene) + (rigid ? 2 * sizeof(hc_record) : 0)) +
+  return SLACK *
+             ((double)hc_particles_bytes(HC_FLUID, hc_settings_features(scene)) + SORT + CELLS + 2 * ROW +
+              entries(scene) + (rigid ? 2 * sizeof(hc_record) : 0) + (has_own_steps(scene) ? CHOSEN : 0)) +
          copies * hc_footprint_fluid_state(scene);
 }
 

@@ -12,7 +12,7 @@
  *              check_start default: any start will do
  *              reach       default: as far as the frame's margin
  *              evaluate    default: what acts hangs on the step
- *              describe, summary  default: nothing to say
+ *              describe, doubt, summary  default: nothing to say
  * Its settings begin with the common ones. */
 #ifndef HC_SOLVER_H
 #define HC_SOLVER_H
@@ -104,8 +104,10 @@ typedef struct hc_solver_ops {
   /* Refuses a start that it cannot go on from. Collective. Before: `densities`. HC_BAD_INPUT, agreed. */
   hc_status (*check_start)(const hc_world *world, const hc_solver_settings *settings, hc_error *error);
 
-  /* A line for the log at the start of a run; and at its end. Local. */
+  /* A line for the log at the start of a run; a warning behind a step, if there is something to warn of; and
+   * a line at the end. Local. */
   void (*describe)(const hc_solver_settings *settings, char *text, size_t size);
+  bool (*doubt)(const hc_solver_settings *settings, const hc_step_report *report, char *text, size_t size);
   void (*summary)(const hc_solver_caps *caps, char *text, size_t size);
 } hc_solver_ops;
 

@@ -103,6 +103,17 @@ static void describe(const hc_solver_settings *settings, char *text, size_t size
   snprintf(text, size, "sound speed %.6g m/s, steps of at most %.4g s", weak->sound_speed, weak->longest);
 }
 
+static bool doubt(const hc_solver_settings *settings, const hc_step_report *report, char *text, size_t size) {
+  const hc_weak_settings *const weak = &own_of(settings)->weak;
+  if (!(report->density_error_avg > weak->fluctuation)) return false;
+  snprintf(text, size,
+           "densities are off by %.3g %% on average, more than solver.density_fluctuation, %.3g %%: the "
+           "water is faster "
+           "than the sound speed of %.4g m/s was chosen for, see solver.sound_speed",
+           100.0 * report->density_error_avg, 100.0 * weak->fluctuation, weak->sound_speed);
+  return true;
+}
+
 static const char *const controls[] = {"individual", "global", "constant", NULL};
 
 const hc_solver_ops hc_solver_wcsph = {.name = "wcsph",
@@ -118,4 +129,5 @@ const hc_solver_ops hc_solver_wcsph = {.name = "wcsph",
                                        .step = step,
                                        .densities = densities,
                                        .check_start = check_start,
-                                       .describe = describe};
+                                       .describe = describe,
+                                       .doubt = doubt};
