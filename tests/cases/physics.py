@@ -354,9 +354,41 @@ def swelling(case, _steps):
     return found
 
 
+def weak(case, _steps):
+    """WCSPH with global and individual steps: a column at rest between walls, whose walls bear its weight; and a dam that breaks
+    alike with both, and as with a constant step."""
+    told, runs = [], {}
+    controls = {"individual": ("time_step.control=individual",), "global": ("time_step.control=global",),
+                "constant": ("time_step.control=constant", "time_step.size=0.0009")}
+    for name in ("individual", "global"):
+        settings = ("solver.method=wcsph", "fluid.viscosity={model: artificial, coefficient: 0.1}", *controls[name])
+        told.append(column(case, "hydrostatic_walled", (*settings, "output.gauges=[{name: tank, type: force, wall: tank}]"), most_error=0.006, counted=0.999))
+        with open(case.folder / "hydrostatic_walled/gauges.csv", newline="", encoding="utf-8") as file:
+            push = np.array([float(row["tank_fz"]) for row in csv.DictReader(file) if float(row["time"]) > 2])
+        weight = 2000 * 1000 * 0.05**3 * COLUMN["gravity"]
+        c.expect(abs(push.mean() / weight + 1) < 2e-3, f"{name}: walls bear {-push.mean() / weight} of the weight")
+    for name, control in controls.items():
+        output = case.run("scenes/dam_break.yaml", f"dam_{name}", 2, (
+            "solver.method=wcsph", "fluid.viscosity={model: artificial, coefficient: 0.1}", "particle_spacing=0.04", "end_time=1",
+            "output.snapshots.every=0", "output.gauges=[{name: front, type: front, axis: +x}]", *control))
+        rows = c.steps(output)
+        time, kinetic, potential = (np.array([float(row[key]) for row in rows]) for key in ("time", "kinetic_energy", "potential_energy"))
+        with open(output / "gauges.csv", newline="", encoding="utf-8") as file:
+            front = np.array([[float(row["time"]), float(row["front"])] for row in csv.DictReader(file)])
+        at = np.linspace(0.05, 1, 96)
+        runs[name] = [np.interp(at, time, kinetic), np.interp(at, time, potential), np.interp(at, front[:, 0], front[:, 1])]
+        c.expect(np.all(np.diff(kinetic + potential) < 1e-4 * potential[0]), f"{name}: energy rises")
+    for name in ("individual", "constant"):
+        energies = [np.abs(ours - theirs).max() / runs["global"][1][0] for ours, theirs in zip(runs[name][:2], runs["global"][:2])]
+        apart = np.abs(runs[name][2] - runs["global"][2])[:40].max()
+        told.append(f"{name}: energies within {100 * max(energies):.2f} % of the first potential energy of those of global, front {apart:.4f} m")
+        c.expect(max(energies) < 0.03 and apart < 0.04, told[-1])
+    return "; ".join(told)
+
+
 if __name__ == "__main__":
     c.main(__doc__, {"free_fall": free_fall, "hydrostatic": hydrostatic,
                      "hydrostatic_walled": hydrostatic_walled,
                      "hydrostatic_pcisph": hydrostatic_pcisph, "corner_pcisph": corner_pcisph, "taylor_green": taylor_green, "drops": drops, "channel": channel, "gauges": gauges,
                      "round_tank": round_tank,
-                     "dam_break": dam_break, "boxes": boxes, "swelling": swelling})
+                     "dam_break": dam_break, "boxes": boxes, "swelling": swelling, "weak": weak})
