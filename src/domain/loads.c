@@ -75,12 +75,19 @@ static hc_load *load_at(loads *loads, const hc_map *map, int bits, const hc_part
   return &loads->load[number];
 }
 
+/* How often a particle found its forces in the last step. */
+static double often(const hc_work *work, int32_t k) {
+  const float *const own = work->fluid->time_step;
+  return own && work->block > 0.0 && own[k] > 0.0f ? work->block / (double)own[k] : 1.0;
+}
+
 static double add_fluid(loads *loads, const hc_map *map, int bits, const hc_work *work, int rank) {
   double total = 0.0;
   for (int32_t k = 0; k < work->fluid->own; k++) {
-    const int cost = !work->neighbors ? HC_COST_FLUID
-                                      : HC_COST_PARTICLE + hc_list_count(work->neighbors, k) +
-                                            hc_list_count(work->walls, k) / HC_COST_WALL_SHARE;
+    const int pairs = !work->neighbors ? HC_COST_FLUID - HC_COST_PARTICLE
+                                       : hc_list_count(work->neighbors, k) +
+                                             hc_list_count(work->walls, k) / HC_COST_WALL_SHARE;
+    const double cost = HC_COST_PARTICLE + pairs * often(work, k);
     hc_load *load = load_at(loads, map, bits, work->fluid, k, rank);
     load->weight += (float)cost;
     load->fluid++;

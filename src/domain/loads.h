@@ -7,15 +7,16 @@
 #include "space/neighbors.h"
 
 /* What the particles of a rank cost. A fluid particle costs by its neighbours, HC_COST_PARTICLE for itself
- * and one for each in the fluid, a quarter for each in walls, whose sums a step forms once; a boundary
- * particle, which only waits for fluid, little. */
+ * and one for each in the fluid, a quarter for each in walls, whose sums a step forms once, times as often as
+ * it found its forces in the last step; a boundary particle, which only waits for fluid, little. */
 enum { HC_COST_PARTICLE = 16, HC_COST_WALL_SHARE = 4, HC_COST_FLUID = 48, HC_COST_BOUNDARY = 3 };
 
 typedef struct hc_work {
   const hc_particles *fluid, *boundary, *moving; /* own particles, wherever they are; moving may be null */
   const hc_neighbors *neighbors,
-      *walls;  /* lists of all own fluid particles; null: each costs HC_COST_FLUID */
-  double busy; /* seconds that they have kept this rank busy lately; 0: nothing was measured (on any rank) */
+      *walls;   /* lists of all own fluid particles; null: each costs HC_COST_FLUID */
+  double block; /* s: of which the fluid's time_step, where it has one, is a part; 0: none */
+  double busy;  /* seconds that they have kept this rank busy lately; 0: nothing was measured (on any rank) */
 } hc_work;
 
 /* A rank's share of a brick. */

@@ -112,7 +112,6 @@ double hc_setup_wave_speed(const hc_scene *scene) {
 double hc_setup_sound_speed(const hc_scene *scene) {
   if (scene->fluid.viscosity.model != HC_VISCOSITY_ARTIFICIAL) return 0.0;
   if (scene->fluid.viscosity.sound_speed > 0.0) return scene->fluid.viscosity.sound_speed;
-  if (scene->solver.method == HC_SOLVER_WCSPH) return hc_setup_wave_speed(scene);
   return fmax(default_sound_speed(scene), 10.0 * emitted_speed(scene));
 }
 

@@ -131,6 +131,7 @@ static hc_solver_settings *wcsph_settings(const hc_scene *scene) {
                                       .fluctuation = scene->solver.density_fluctuation,
                                       .support_radius = scene->support_radius,
                                       .longest = longest};
+  if (scene->fluid.viscosity.sound_speed == 0.0) settings->weak.common.sound_speed = c;
   settings->individual = (hc_individual_settings){.on = scene->time_step.control == HC_TIME_INDIVIDUAL,
                                                   .raw = scene->time_step.steps == HC_STEPS_RAW,
                                                   .lasting = scene->time_step.blocks,

@@ -207,6 +207,12 @@ static bool by_cap(const failure *f, char *text, size_t size) {
   return true;
 }
 
+static bool by_own_step(const failure *f, char *text, size_t size) {
+  if (f->fault.kind != HC_FAULT_OWN_STEP) return false;
+  snprintf(text, size, "its speed or its acceleration, of an impact perhaps: lower time_step.min");
+  return true;
+}
+
 static bool by_scene(const failure *f, char *text, size_t size) {
   if (f->fault.kind != HC_FAULT_TIME_STEP || f->simulation->step > 0) return false;
   snprintf(text, size, "the scene itself: its %s asks for a step under the floor, %.3g s; see time_step.min",
@@ -216,8 +222,8 @@ static bool by_scene(const failure *f, char *text, size_t size) {
 }
 
 static void find_cause(const failure *failure, char *text, size_t size) {
-  static rule *const rules[] = {by_hook,  by_shock, by_error, by_overlap, by_viscosity,
-                                by_scene, by_step,  by_gap,   by_cap};
+  static rule *const rules[] = {by_hook,      by_own_step, by_shock, by_error, by_overlap,
+                                by_viscosity, by_scene,    by_step,  by_gap,   by_cap};
   for (size_t k = 0; k < sizeof rules / sizeof *rules; k++)
     if (rules[k](failure, text, size)) return;
   snprintf(text, size,

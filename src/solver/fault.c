@@ -85,6 +85,10 @@ static hc_status tell(const hc_fault *fault, double dt, hc_error *error) {
                         HC_CELL_MOST, id);
   case HC_FAULT_DENSITY:
     return hc_error_set(error, HC_FAILED, "the density of particle %lld is no number", id);
+  case HC_FAULT_OWN_STEP:
+    return hc_error_set(error, HC_FAILED,
+                        "particle %lld asks for a time step of %.3g s, which is under the floor", id,
+                        1.0 / fault->value);
   case HC_FAULT_VALUE:
     return hc_error_set(error, HC_FAILED, "the velocity or pressure of particle %lld is no number", id);
   case HC_FAULT_POSITION:

@@ -16,6 +16,7 @@ typedef enum hc_fault_kind {
   HC_FAULT_START_SPEED, /* a particle is too fast as the step begins */
   HC_FAULT_CROWDED,     /* far too many particles lie in one cell */
   HC_FAULT_DENSITY,     /* a density is no number */
+  HC_FAULT_OWN_STEP,    /* a particle's own time step fell under the floor */
   HC_FAULT_VALUE,       /* a velocity or pressure is no number at the end of the step */
   HC_FAULT_POSITION,    /* a position is none */
   HC_FAULT_SPEED,       /* a particle would move by more than a support radius */
@@ -26,7 +27,7 @@ typedef enum hc_fault_kind {
 /* The earliest kind; of that the largest value, if it has one; of these the smallest id. */
 typedef struct hc_fault {
   hc_fault_kind kind;
-  double value; /* speed, m/s; 0 for other kinds */
+  double value; /* speed, m/s; one over the own step, 1/s; 0 for other kinds */
   uint64_t id;  /* of the fluid particle */
 } hc_fault;
 

@@ -247,11 +247,12 @@ static float raw_step(const block *b, int32_t i, hc_fault *fault) {
       b->individual->force * b->individual->force * h; /* over the force: a step's square */
   if (step * step * force > by_force) step = sqrt(by_force / force);
   if (step < b->individual->shortest) {
-    hc_fault_note(fault, HC_FAULT_TIME_STEP, speed, fluid->id[i]);
+    hc_fault_note(fault, HC_FAULT_OWN_STEP, 1.0 / step, fluid->id[i]);
     step = b->individual->shortest;
   }
   const double ticks = step / b->unit;
   if (!(ticks < TICKS)) return (float)TICKS;
+  if (ticks < 1.0) return 1.0f;
   return (float)(b->individual->raw ? floor(ticks) : power_below(ticks));
 }
 
@@ -383,7 +384,10 @@ static void start(block *b) {
 
 static int by_particle(const void *a, const void *b) {
   const hc_hold *p = a, *q = b;
-  return (p->particle > q->particle) - (p->particle < q->particle);
+  if (p->particle != q->particle) return p->particle < q->particle ? -1 : 1;
+  for (int axis = 0; axis < 3; axis++) /* the same sum on any number of ranks */
+    if (p->change[axis] != q->change[axis]) return p->change[axis] < q->change[axis] ? -1 : 1;
+  return 0;
 }
 
 /* What contact took in all sub-steps, once a particle. */
@@ -417,6 +421,7 @@ static void finish(block *b) {
       fluid->acceleration[axis] = (float)(fluid->velocity[axis] - dt * (double)fluid->force[axis]);
     fluid->time_step[i] = (float)dt / fluid->time_step[i];
   }
+  b->world->block = dt;
   merge_holds(&b->world->holds);
   hc_wall_layer_shorten(b->world, TICKS * b->unit / b->settings->longest);
 }

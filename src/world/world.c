@@ -158,7 +158,11 @@ static void measure_boundary(hc_world *world, hc_store_id id) {
 
 void hc_world_rebalance(hc_world *world, hc_divider divider, double busy) {
   hc_stopwatch_enter(&world->watch, HC_STAGE_BALANCE);
-  hc_work work = {.fluid = world->fluid, .boundary = world->boundary, .moving = world->moving, .busy = busy};
+  hc_work work = {.fluid = world->fluid,
+                  .boundary = world->boundary,
+                  .moving = world->moving,
+                  .busy = busy,
+                  .block = world->block};
   if (world->listed.end == world->fluid->own && !world->listed.index) {
     work.neighbors = &world->list;
     work.walls = &world->walls;

@@ -45,6 +45,7 @@ typedef struct hc_world {
   size_t contact_room;
   hc_holds holds;
   hc_touches touches;
+  double block;  /* s: of individual steps, the last; 0: there was none */
   double margin; /* m: by which lists reach farther than the support, at least */
   hc_chosen chosen;
   hc_wall_friction *friction; /* see hc_sweep; owned */
