@@ -256,7 +256,8 @@ START_TEST(lists_of_a_selection_have_the_same_rows) {
       build_list(&b, (hc_isa)isa, &all, of_walls, to_walls, hc_select_all(targets));
       ck_assert_int_gt(all.pairs, 300);
       for (int c = 0; c < CHOICES; c++) {
-        const hc_selection selection = {index, 0, choose(targets->own, every[c], (uint64_t)isa, index), false};
+        const hc_selection selection = {index, 0, choose(targets->own, every[c], (uint64_t)isa, index),
+                                        false};
         build_list(&b, (hc_isa)isa, &some, of_walls, to_walls, selection);
         ck_assert_msg(rows_are_the_same(&all, &some, selection), "%s", hc_isa_name((hc_isa)isa));
       }
@@ -367,7 +368,8 @@ START_TEST(parts_of_a_selection_meet_at_the_border) {
     for (int e = 0; e < CHOICES; e++)
       for (int indexed = 0; indexed < 2; indexed++) {
         const int32_t count = choose(100, every[e], (uint64_t)border, index);
-        const hc_selection whole = indexed ? (hc_selection){index, count / 4, count, false} : hc_select_range(7, 90);
+        const hc_selection whole =
+            indexed ? (hc_selection){index, count / 4, count, false} : hc_select_range(7, 90);
         const hc_selection at_border = hc_select_border(whole, &particles),
                            interior = hc_select_interior(whole, &particles);
         ck_assert(at_border.begin == whole.begin && interior.end == whole.end);
