@@ -78,6 +78,27 @@ START_TEST(periods_are_whole_cells_and_whole_spacings) {
 }
 END_TEST
 
+/* Individual steps: cells are wider by the margin, but where a period has too few of those. */
+START_TEST(cells_of_individual_steps_have_a_margin) {
+  hc_scene scene = plain_scene();
+  scene.time_step.control = HC_TIME_INDIVIDUAL;
+  scene.time_step.margin = 0.25;
+  const hc_frame open = frame_of(&scene);
+  ck_assert(open.support_radius == 0.04 && fabs(open.margin - 0.01) < 1e-15);
+  ck_assert_double_eq_tol(open.unit[0] * (double)HC_CELL_UNITS, 0.05, 1e-15);
+  scene = periodic_scene(0.98, 0.2, 0);
+  scene.time_step.control = HC_TIME_INDIVIDUAL;
+  scene.time_step.margin = 0.25;
+  const hc_frame wide = frame_of(&scene);
+  ck_assert(wide.period[0] == 19 * HC_CELL_UNITS && wide.period[1] == 4 * HC_CELL_UNITS);
+  ck_assert_double_eq_tol(wide.margin, 0.01, 1e-12);
+  scene.domain.max[1] = 0.12;
+  const hc_frame thin = frame_of(&scene);
+  ck_assert(thin.period[1] == 3 * HC_CELL_UNITS && thin.support_radius <= 0.04 && thin.margin < 1e-12 &&
+            thin.margin >= 0.0);
+}
+END_TEST
+
 /* A period that is short of whole cells by rounding only keeps them, and the support radius gives way. */
 START_TEST(support_radius_never_exceeds_an_edge) {
   hc_scene scene = periodic_scene(1.0 - 1e-11, 0, 0);
@@ -558,6 +579,7 @@ int main(void) {
   TCase *const cases = tcase_create("frame and particles");
   tcase_set_timeout(cases, 60);
   tcase_add_test(cases, open_axes_have_cells_of_the_support_radius);
+  tcase_add_test(cases, cells_of_individual_steps_have_a_margin);
   tcase_add_test(cases, periods_are_whole_cells_and_whole_spacings);
   tcase_add_test(cases, support_radius_never_exceeds_an_edge);
   tcase_add_test(cases, lower_end_is_a_cell_corner_and_shifts_exactly);
