@@ -228,7 +228,8 @@ void hc_setup_control_complete(hc_scene *scene, hc_findings *findings) {
 /* What keeps the solver from being stable. */
 static void review_stable(const hc_scene *scene, hc_findings *findings) {
   const double stable = hc_setup_solver_longest(scene);
-  if (isinf(stable) && hc_setup_solver_ops(scene)->evaluate)
+  const bool any = scene->fluid.block_count + scene->fluid.emitter_count > 0;
+  if (any && isinf(stable) && hc_setup_solver_ops(scene)->evaluate)
     hc_findings_error(
         findings, "solver.method",
         "missing key 'solver.sound_speed': without gravity, speeds at the start or emitters there is "
