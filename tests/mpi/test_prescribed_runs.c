@@ -89,7 +89,7 @@ static double volume_of(const hc_simulation *simulation, int number) {
 
 START_TEST(volumes_are_a_wall_s_own_and_stay) {
   hc_scene scene = paddle();
-  walls[1].box.min[2] = 0.0; /* it stands on the floor, a spacing from the floor's samples */
+  walls[1].box.min[2] = 0.0;            /* it stands on the floor, a spacing from the floor's samples */
   scene.parallel.rebalance_above = 1e9; /* the clock of a busy machine starts none beside the forced one */
   hc_simulation simulation;
   start(&simulation, &scene);
