@@ -121,16 +121,18 @@ static double wcsph_longest(const hc_scene *scene) {
 
 static hc_solver_settings *wcsph_settings(const hc_scene *scene) {
   const double c = hc_setup_wave_speed(scene);
-  const double stable = wcsph_longest(scene), most = scene->time_step.max,
-               longest = most > 0.0 && most < stable ? most : stable;
-  const hc_step_settings steps = {.longest = longest, .min = scene->time_step.min};
+  hc_step_settings steps = {.min = scene->time_step.min,
+                            .support_radius = scene->support_radius,
+                            .viscosity = hc_setup_kinematic_viscosity(scene)};
+  steps.longest = fmin(wcsph_longest(scene), hc_time_step_viscous_bound(&steps));
+  if (scene->time_step.max > 0.0) steps.longest = fmin(steps.longest, scene->time_step.max);
   hc_wcsph_settings *settings = hc_alloc(1, sizeof *settings);
   settings->weak = (hc_weak_settings){.common = common_settings(scene),
                                       .tait = {(float)(c * c / 7.0), scene->solver.negative_pressure},
                                       .sound_speed = c,
                                       .fluctuation = scene->solver.density_fluctuation,
                                       .support_radius = scene->support_radius,
-                                      .longest = longest};
+                                      .longest = steps.longest};
   if (scene->fluid.viscosity.sound_speed == 0.0) settings->weak.common.sound_speed = c;
   settings->individual = (hc_individual_settings){.on = scene->time_step.control == HC_TIME_INDIVIDUAL,
                                                   .raw = scene->time_step.steps == HC_STEPS_RAW,

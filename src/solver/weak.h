@@ -11,7 +11,7 @@ typedef struct hc_weak_settings {
   double sound_speed;    /* m/s */
   double fluctuation;    /* permitted on average, a fraction of the rest density */
   double support_radius; /* m */
-  double longest;        /* s: the longest step that is stable */
+  double longest;        /* s: the longest step that is stable, of a particle too */
 } hc_weak_settings;
 
 /* The lists are of all particles; `selection` is all, or with an index of_all. Local but for the halo. */

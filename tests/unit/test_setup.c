@@ -4,7 +4,11 @@
 #include "setup/limits.h"
 #include "setup/populate.h"
 #include "setup/rest_lattice.h"
+#include "setup/solvers.h"
+#include "setup/solvers.h"
 #include "setup/world_frame.h"
+#include "solver/wcsph.h"
+#include "solver/wcsph.h"
 
 #include <check.h>
 #include <math.h>
@@ -96,6 +100,26 @@ START_TEST(cells_of_individual_steps_have_a_margin) {
   const hc_frame thin = frame_of(&scene);
   ck_assert(thin.period[1] == 3 * HC_CELL_UNITS && thin.support_radius <= 0.04 && thin.margin < 1e-12 &&
             thin.margin >= 0.0);
+}
+END_TEST
+
+/* However many of them a block has, a particle's own step heeds sound, the scene's largest and viscosity. */
+START_TEST(own_steps_have_a_longest) {
+  hc_scene scene = plain_scene();
+  scene.solver.method = HC_SOLVER_WCSPH;
+  scene.solver.sound_speed = 40.0;
+  scene.boundary.wall_density = HC_WALL_DENSITY_SQUARED;
+  scene.fluid.viscosity.model = HC_VISCOSITY_LAMINAR;
+  const double sound = 0.6 * 0.04 / 40.0, viscous = 0.125 * 0.02 * 0.02;
+  const double coefficients[3] = {1e-6, 1e-6, 0.5}, largest[3] = {0.0, 1e-4, 0.0},
+               longest[3] = {sound, 1e-4, viscous / 0.5};
+  for (int k = 0; k < 3; k++) {
+    scene.fluid.viscosity.coefficient = coefficients[k];
+    scene.time_step.max = largest[k];
+    hc_solver_settings *const settings = hc_setup_solver_settings(&scene);
+    ck_assert_double_eq_tol(((hc_wcsph_settings *)settings)->weak.longest, longest[k], 1e-12 * longest[k]);
+    hc_free(settings);
+  }
 }
 END_TEST
 
@@ -580,6 +604,7 @@ int main(void) {
   tcase_set_timeout(cases, 60);
   tcase_add_test(cases, open_axes_have_cells_of_the_support_radius);
   tcase_add_test(cases, cells_of_individual_steps_have_a_margin);
+  tcase_add_test(cases, own_steps_have_a_longest);
   tcase_add_test(cases, periods_are_whole_cells_and_whole_spacings);
   tcase_add_test(cases, support_radius_never_exceeds_an_edge);
   tcase_add_test(cases, lower_end_is_a_cell_corner_and_shifts_exactly);
