@@ -100,7 +100,7 @@ static hc_status survey(const hc_setup_plan *plan, tally *blocks, tally *walls, 
     count_particles(&fluid, blocks, plan->fluid_sources);
     count_particles(&boundary, walls, plan->boundary_sources);
     count_particles(&moving, walls, plan->boundary_sources);
-    *v2_max = fmax(*v2_max, hc_simulation_fastest(&fluid));
+    *v2_max = fmax(*v2_max, hc_fastest(&fluid));
   }
   hc_particles_free(&fluid);
   hc_particles_free(&boundary);

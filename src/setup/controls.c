@@ -199,7 +199,7 @@ static void complete_individual(hc_scene *scene, hc_findings *findings) {
         findings, "fluid.viscosity.model",
         "fluid.viscosity.model should be artificial with time_step.control individual: what "
         "particles that are not active are guessed to do adds energy, which little viscosity leaves "
-        "there (Martin and Moyce's column with water's: 3 to 6 %%)");
+        "there (Martin and Moyce's column with water's: 2 to 5 %%)");
   if (scene->time_step.steps != HC_STEPS_RAW) return;
   if (!hc_given_has(findings->given, "time_step.velocity")) scene->time_step.velocity *= RAW;
   if (!hc_given_has(findings->given, "time_step.force")) scene->time_step.force *= RAW;

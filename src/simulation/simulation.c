@@ -111,15 +111,6 @@ hc_particle_name hc_simulation_particle_name(const hc_scene *scene, int64_t id) 
   return name;
 }
 
-double hc_simulation_fastest(const hc_particles *fluid) {
-  double largest = 0.0;
-  for (int32_t k = 0; k < fluid->own; k++) {
-    const double *v = &fluid->velocity[3 * (size_t)k];
-    largest = fmax(largest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  }
-  return largest;
-}
-
 void hc_simulation_fill_derived(hc_simulation *simulation) {
   hc_particles *fluid = simulation->world.fluid;
   memset(fluid->pressure, 0, (size_t)fluid->own * sizeof *fluid->pressure);
@@ -209,7 +200,7 @@ hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error) {
   hc_simulation_fill_derived(simulation);
   if (check_start(simulation, error) != HC_OK) return error->status;
   simulation->imbalance = hc_domain_imbalance(&world->domain, world->fluid);
-  double v2_max = hc_simulation_fastest(world->fluid);
+  double v2_max = hc_fastest(world->fluid);
   hc_comm_max_f64(simulation->comm, &v2_max, 1);
   simulation->report = hc_settings_start_report(simulation->scene, v2_max);
   return HC_OK;

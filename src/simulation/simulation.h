@@ -94,9 +94,6 @@ typedef struct hc_particle_name {
 } hc_particle_name;
 hc_particle_name hc_simulation_particle_name(const hc_scene *scene, int64_t id);
 
-/* The largest squared speed of own particles, m2/s2. Local. */
-double hc_simulation_fastest(const hc_particles *fluid);
-
 /* The largest speed that the scene prescribes for the start of a run, m/s: it counts as that of the fluid in
  * the choice of the time step. Local. */
 double hc_simulation_prescribed_speed(const hc_scene *scene, const hc_movers *movers,

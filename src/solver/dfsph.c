@@ -214,15 +214,6 @@ static void densities(hc_world *world, const hc_solver_settings *settings) {
   world->sweeps->density(&world->sweep, world->listed);
 }
 
-/* Settled fluid is within a percent of the rest density, also beside irregular walls; the paper's boundary,
- * which counts walls in full, has 0.15 too much in corners. */
-static hc_status check_start(const hc_world *world, const hc_solver_settings *settings, hc_error *error) {
-  static const double MOST = 0.05, MOST_IN_FULL = 0.2, FULL = 0.9;
-  const double most = world->volume_factor > FULL ? MOST_IN_FULL : MOST;
-  if (hc_solver_check_density(world, settings, most, "", error) != HC_OK) return error->status;
-  return hc_solver_check_walls(world, error);
-}
-
 static const char *const controls[] = {"cfl", "constant", "adaptive", NULL};
 
 const hc_solver_ops hc_solver_dfsph = {.name = "dfsph",
@@ -234,5 +225,5 @@ const hc_solver_ops hc_solver_dfsph = {.name = "dfsph",
                                        .controls = controls,
                                        .step = step,
                                        .densities = densities,
-                                       .check_start = check_start,
+                                       .check_start = hc_solver_check_settled,
                                        .summary = hc_solver_tell_caps};

@@ -15,6 +15,15 @@ void hc_remember_velocities(hc_world *world) {
     for (int axis = 0; axis < 3; axis++) fluid->acceleration[3 * (size_t)k + axis] = fluid->motion[k].v[axis];
 }
 
+double hc_fastest(const hc_particles *fluid) {
+  double largest = 0.0;
+  for (int32_t k = 0; k < fluid->own; k++) {
+    const double *v = &fluid->velocity[3 * (size_t)k];
+    largest = fmax(largest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  }
+  return largest;
+}
+
 static void viscous_change(hc_world *world, const hc_solver_settings *settings, double dt, float *change,
                            hc_selection selection) {
   const hc_sweep *sweep = &world->sweep;

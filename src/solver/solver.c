@@ -66,3 +66,11 @@ hc_status hc_solver_check_walls(const hc_world *world, hc_error *error) {
       "between two fluids must be a spacing thick",
       error);
 }
+
+hc_status hc_solver_check_settled(const hc_world *world, const hc_solver_settings *settings,
+                                  hc_error *error) {
+  static const double MOST = 0.05, MOST_IN_FULL = 0.2, FULL = 0.9;
+  const double most = world->volume_factor > FULL ? MOST_IN_FULL : MOST;
+  if (hc_solver_check_density(world, settings, most, "", error) != HC_OK) return error->status;
+  return hc_solver_check_walls(world, error);
+}

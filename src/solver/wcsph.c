@@ -21,15 +21,6 @@ static const hc_wcsph_settings *own_of(const hc_solver_settings *settings) {
   return (const hc_wcsph_settings *)settings;
 }
 
-static double largest_speed(const hc_particles *fluid) {
-  double largest = 0.0;
-  for (int32_t i = 0; i < fluid->own; i++) {
-    const double *const v = &fluid->velocity[3 * (size_t)i], square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    if (square > largest) largest = square;
-  }
-  return sqrt(largest);
-}
-
 static void evaluate(hc_world *world, const hc_solver_settings *settings, hc_step_report *report) {
   const hc_weak_settings *const weak = &own_of(settings)->weak;
   hc_error_total total;
@@ -44,7 +35,7 @@ static void evaluate(hc_world *world, const hc_solver_settings *settings, hc_ste
   hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);
   hc_wall_layer_list(world, settings->depth_pressure);
   const double strongest = hc_weak_accelerations(world, weak, world->fluid->density_rate, world->listed);
-  double most[2] = {largest_speed(world->fluid), strongest};
+  double most[2] = {sqrt(hc_fastest(world->fluid)), strongest};
   hc_tally tally = {.count = 0};
   hc_tally_max_f64(&tally, most, 2);
   const double particles = world->fluid_total > 0 ? (double)world->fluid_total : 1.0;
@@ -90,14 +81,6 @@ static void densities(hc_world *world, const hc_solver_settings *settings) {
   hc_weak_pressures(world, &own_of(settings)->weak, world->listed, NULL, &total);
 }
 
-/* What is compressed at the start flies apart with the sound speed. */
-static hc_status check_start(const hc_world *world, const hc_solver_settings *settings, hc_error *error) {
-  static const double MOST = 0.05, MOST_IN_FULL = 0.2, FULL = 0.9;
-  const double most = world->volume_factor > FULL ? MOST_IN_FULL : MOST;
-  if (hc_solver_check_density(world, settings, most, "", error) != HC_OK) return error->status;
-  return hc_solver_check_walls(world, error);
-}
-
 static void describe(const hc_solver_settings *settings, char *text, size_t size) {
   const hc_weak_settings *const weak = &own_of(settings)->weak;
   snprintf(text, size, "sound speed %.6g m/s, steps of at most %.4g s", weak->sound_speed, weak->longest);
@@ -128,6 +111,6 @@ const hc_solver_ops hc_solver_wcsph = {.name = "wcsph",
                                        .evaluate = evaluate,
                                        .step = step,
                                        .densities = densities,
-                                       .check_start = check_start,
+                                       .check_start = hc_solver_check_settled,
                                        .describe = describe,
                                        .doubt = doubt};

@@ -2,9 +2,6 @@
  * each computes. */
 #include "pairs.h"
 
-/* Keeps divisions by r^2 finite: 0.01 smoothing lengths squared (half a support radius each). */
-#define GUARD 0.0025f
-
 /* What of the particle itself a viscous force needs. */
 typedef struct viscous_self {
   vector velocity;

@@ -3,9 +3,6 @@
 #include "error_rule.h"
 #include "pairs.h"
 
-/* Keeps divisions by r^2 finite: 0.01 smoothing lengths squared (half a support radius each). */
-#define GUARD 0.0025f
-
 void HC_ISA_SYMBOL(hc_weak_density)(const hc_sweep *sweep, const hc_tait *tait, hc_selection selection,
                                     hc_error_total *total) {
   hc_particles *const fluid = sweep->fluid;
