@@ -382,7 +382,7 @@ def weak(case, _steps):
         energies = [np.abs(ours - theirs).max() / runs["global"][1][0] for ours, theirs in zip(runs[name][:2], runs["global"][:2])]
         apart = np.abs(runs[name][2] - runs["global"][2])[:40].max()
         told.append(f"{name}: energies within {100 * max(energies):.2f} % of the first potential energy of those of global, front {apart:.4f} m")
-        c.expect(max(energies) < 0.03 and apart < 0.04, told[-1])
+        c.expect(max(energies) < 0.01 and apart < 0.02, told[-1])
     return "; ".join(told)
 
 
