@@ -5,9 +5,7 @@
 #include "setup/populate.h"
 #include "setup/rest_lattice.h"
 #include "setup/solvers.h"
-#include "setup/solvers.h"
 #include "setup/world_frame.h"
-#include "solver/wcsph.h"
 #include "solver/wcsph.h"
 
 #include <check.h>
