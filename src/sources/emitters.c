@@ -137,7 +137,7 @@ static bool is_blocked(const release *r, const int64_t x[3], double clearance) {
   hc_brick brick;
   int32_t adjacent[HC_ADJACENT];
   const int cell = hc_cell_of(x, &brick);
-  if (!hc_cells_around(r->cells, brick, adjacent)) return false;
+  if (!hc_brick_set_around(&r->cells->bricks, brick, adjacent)) return false;
   for (int way = 0; way < HC_ADJACENT; way++) {
     int there;
     const int32_t found = hc_cells_next(adjacent, cell, way, &there);

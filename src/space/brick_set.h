@@ -22,6 +22,7 @@ typedef struct hc_brick_set {
   size_t capacity;
   int32_t *table; /* open addressing: number or -1 */
   uint32_t mask;
+  hc_brick low, high; /* of all bricks, where there are any */
 } hc_brick_set;
 
 void hc_brick_set_init(hc_brick_set *set);
@@ -33,5 +34,10 @@ void hc_brick_set_clear(hc_brick_set *set);
 /* The brick's number, or -1; the second form gives a new brick the next number. */
 int32_t hc_brick_set_find(const hc_brick_set *set, hc_brick brick);
 int32_t hc_brick_set_add(hc_brick_set *set, hc_brick brick);
+
+/* The numbers of the 27 bricks around `brick` and itself (x fastest), -1 where there is none; false if all
+ * are. */
+enum { HC_ADJACENT = 27, HC_ADJACENT_SELF = 13 };
+bool hc_brick_set_around(const hc_brick_set *set, hc_brick brick, int32_t adjacent[HC_ADJACENT]);
 
 #endif

@@ -37,17 +37,6 @@ int32_t hc_cells_insert(hc_cells *cells, hc_brick brick) {
   return index;
 }
 
-bool hc_cells_around(const hc_cells *cells, hc_brick brick, int32_t adjacent[HC_ADJACENT]) {
-  bool any = false;
-  for (int way = 0; way < HC_ADJACENT; way++) {
-    const hc_brick next = {
-        {brick.x[0] + way % 3 - 1, brick.x[1] + way / 3 % 3 - 1, brick.x[2] + way / 9 - 1}};
-    adjacent[way] = hc_cells_find(cells, next);
-    any |= adjacent[way] >= 0;
-  }
-  return any;
-}
-
 /* The sort's work space, in the particles' scratch: the new order of each, and its cell (brick * 64 + cell).
  */
 static int32_t *order_of(hc_particles *particles) {

@@ -13,9 +13,7 @@
 enum {
   HC_BRICK_BITS = 2,
   HC_BRICK_EDGE = 1 << HC_BRICK_BITS,
-  HC_BRICK_CELLS = HC_BRICK_EDGE * HC_BRICK_EDGE * HC_BRICK_EDGE, /* a 64-bit mask has a bit for each */
-  HC_ADJACENT = 27,
-  HC_ADJACENT_SELF = 13
+  HC_BRICK_CELLS = HC_BRICK_EDGE * HC_BRICK_EDGE * HC_BRICK_EDGE /* a 64-bit mask has a bit for each */
 };
 
 typedef struct hc_cells {
@@ -49,10 +47,6 @@ void hc_cells_free(hc_cells *cells);
 /* The brick's index, or -1; the second form adds the brick with empty cells if it is new. Local. */
 int32_t hc_cells_find(const hc_cells *cells, hc_brick brick);
 int32_t hc_cells_insert(hc_cells *cells, hc_brick brick);
-
-/* The indices of the 27 bricks around `brick` and itself (x fastest), -1 where there is none; false if all
- * are. */
-bool hc_cells_around(const hc_cells *cells, hc_brick brick, int32_t adjacent[HC_ADJACENT]);
 
 /* The cell that lies in direction `way` (x fastest) of cell `cell` of the brick that `adjacent` is around:
  * its brick's index, or -1, and its number there. */

@@ -50,7 +50,8 @@ static void find_adjacent(hc_neighbor_search *search, const hc_cells *target,
              sizeof *search->adjacent);
   for (int s = 0; s < source_count; s++)
     for (int32_t k = 0; k < bricks; k++)
-      hc_cells_around(sources[s].cells, target->bricks.bricks[k], search->adjacent[s * bricks + k]);
+      hc_brick_set_around(&sources[s].cells->bricks, target->bricks.bricks[k],
+                          search->adjacent[s * bricks + k]);
 }
 
 /* Splits a cell coordinate in [-1, HC_BRICK_EDGE] into the neighbouring brick (0, 1, 2) and the cell in it.

@@ -72,6 +72,8 @@ void hc_world_free(hc_world *world) {
   hc_free(world->touches.at);
   hc_free(world->chosen.index);
   hc_free(world->chosen.bits);
+  hc_free(world->chosen.ghosts);
+  hc_free(world->chosen.touched);
   hc_free(world->chosen.asked);
   hc_free(world->chosen.before);
   hc_free(world->friction);
@@ -255,7 +257,7 @@ static int64_t count_active(const hc_cells *fluid, const hc_cells *walls) {
     const int32_t slot = walls->own_cells[k];
     if (slot / HC_BRICK_CELLS != brick) {
       brick = slot / HC_BRICK_CELLS;
-      any = hc_cells_around(fluid, walls->bricks.bricks[brick], adjacent);
+      any = hc_brick_set_around(&fluid->bricks, walls->bricks.bricks[brick], adjacent);
     }
     const int cell = slot % HC_BRICK_CELLS;
     if (any && near_fluid(fluid, adjacent, cell)) active += walls->count[brick][cell];

@@ -23,11 +23,13 @@ typedef enum hc_store_id { HC_STORE_FLUID, HC_STORE_BOUNDARY, HC_STORE_MOVING, H
 
 /* Particles that are chosen for a part of a step: work space, kept for its memory. */
 typedef struct hc_chosen {
-  int32_t *index; /* ascending */
-  uint64_t *bits; /* of own particles */
-  float *asked;   /* of own particles and ghosts, or of own particles */
-  double *before; /* three for each chosen one */
-  size_t index_room, bits_room, asked_room, before_room;
+  int32_t *index;    /* ascending */
+  uint64_t *bits;    /* of own particles */
+  uint64_t *ghosts;  /* of ghosts whose owner has chosen them */
+  uint64_t *touched; /* of own particles and ghosts behind them: chosen, or next to those that are */
+  float *asked;      /* of own particles and ghosts, or of own particles */
+  double *before;    /* three for each chosen one */
+  size_t index_room, bits_room, ghosts_room, touched_room, asked_room, before_room;
 } hc_chosen;
 
 typedef struct hc_world {

@@ -249,7 +249,7 @@ START_TEST(bricks_around_are_named_x_fastest) {
   hc_cells cells;
   hc_cells_init(&cells);
   int32_t adjacent[HC_ADJACENT];
-  ck_assert(!hc_cells_around(&cells, (hc_brick){{0, 0, 0}}, adjacent));
+  ck_assert(!hc_brick_set_around(&cells.bricks, (hc_brick){{0, 0, 0}}, adjacent));
   for (int way = 0; way < HC_ADJACENT; way++) ck_assert_int_eq(adjacent[way], -1);
   const hc_brick centre = {{-1, 0, 1}};
   for (int z = -1; z <= 1; z++)
@@ -258,13 +258,13 @@ START_TEST(bricks_around_are_named_x_fastest) {
         if ((x + y + z) % 2 == 0)
           hc_cells_insert(&cells, (hc_brick){{centre.x[0] + x, centre.x[1] + y, centre.x[2] + z}});
   hc_cells_insert(&cells, (hc_brick){{centre.x[0] + 2, centre.x[1], centre.x[2]}});
-  ck_assert(hc_cells_around(&cells, centre, adjacent));
+  ck_assert(hc_brick_set_around(&cells.bricks, centre, adjacent));
   int way = 0, inserted = 0;
   for (int z = -1; z <= 1; z++)
     for (int y = -1; y <= 1; y++)
       for (int x = -1; x <= 1; x++, way++)
         ck_assert_int_eq(adjacent[way], (x + y + z) % 2 == 0 ? inserted++ : -1);
-  ck_assert(!hc_cells_around(&cells, (hc_brick){{9, 9, 9}}, adjacent));
+  ck_assert(!hc_brick_set_around(&cells.bricks, (hc_brick){{9, 9, 9}}, adjacent));
   hc_cells_free(&cells);
 }
 END_TEST
@@ -290,7 +290,7 @@ START_TEST(distance_costs_no_memory) {
   for (int k = 0; k < 8; k++) ck_assert_uint_eq(particles.id[k], k); /* z, y, x is the order of the bits */
   int32_t adjacent[HC_ADJACENT];
   for (int k = 0; k < 8; k++) {
-    ck_assert(hc_cells_around(&cells, cells.bricks.bricks[k], adjacent));
+    ck_assert(hc_brick_set_around(&cells.bricks, cells.bricks.bricks[k], adjacent));
     for (int way = 0; way < HC_ADJACENT; way++)
       ck_assert_int_eq(adjacent[way], way == HC_ADJACENT_SELF ? k : -1);
   }
