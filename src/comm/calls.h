@@ -30,19 +30,15 @@ void hc_calls_leave(hc_comm *comm, hc_visit since);
 
 enum { MOST_OF_A_PART = 1 << 30 }; /* bytes: under MPI's INT_MAX, whole cache lines */
 
-static inline size_t hc_calls_part_limit(const hc_comm *comm) {
-  return comm->part_limit ? comm->part_limit : MOST_OF_A_PART;
-}
-
 /* The length of the part that begins at byte `from` of `bytes`. */
 static inline int hc_calls_part(const hc_comm *comm, size_t bytes, size_t from) {
-  const size_t left = bytes - from, limit = hc_calls_part_limit(comm);
+  const size_t left = bytes - from, limit = comm->part_limit;
   return (int)(left < limit ? left : limit);
 }
 
 /* The number of parts behind the first. */
 static inline size_t hc_calls_further_parts(const hc_comm *comm, size_t bytes) {
-  return bytes == 0 ? 0 : (bytes - 1) / hc_calls_part_limit(comm);
+  return bytes == 0 ? 0 : (bytes - 1) / comm->part_limit;
 }
 
 /* A broadcast, and a message to a rank; wait until the data may change. */

@@ -12,7 +12,7 @@ typedef struct hc_comm {
   int rank, size;
   bool owns_mpi;
   bool watches;                      /* see ending.h */
-  size_t part_limit;                 /* bytes, larger messages are sent in parts; 0: what MPI can count */
+  size_t part_limit;                 /* bytes, larger messages are sent in parts */
   int sparse_parity;                 /* alternates the tag of successive sparse exchanges */
   double wait_seconds;               /* time spent in this room since the start, for timings.json */
   double spent_seconds;              /* of it what the thread's own clock says, which stands still asleep */

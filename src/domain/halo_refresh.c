@@ -22,7 +22,8 @@ static int find_columns(const hc_particles *particles, hc_field_set fields, colu
     if (!(fields >> bit & 1)) continue;
     const int field = bit % 32;
     const hc_field_info *info = &hc_fields[field];
-    HC_CHECK(field < HC_FIELD_COUNT && (info->flags & HC_GHOST) && particles->data[field],
+    HC_CHECK(field < HC_FIELD_COUNT && hc_field_has_ghosts(info, particles->features) &&
+                 particles->data[field],
              "field %s has no ghosts here", field < HC_FIELD_COUNT ? info->name : "?");
     HC_CHECK(count < MOST_COLUMNS, "at most %d fields in one refresh", MOST_COLUMNS);
     column *to = &columns[count++];
@@ -139,7 +140,12 @@ static char *pack_chosen(const hc_halo *halo, int partner, const column *columns
   return to;
 }
 
-/* Room for messages of `bytes` each copy, and `extra` for each partner, on both sides. */
+/* What is sent of a message that may have `most` bytes: its receiver expects as many parts as that has. */
+static size_t bytes_to_send(const hc_halo *halo, size_t bytes, size_t most) {
+  return most > halo->domain->comm->part_limit ? most : bytes;
+}
+
+/* Room for messages of `bytes` each copy, and a bitmap for each partner, on both sides. */
 static void make_buffers(hc_halo *halo, size_t bytes, bool bitmaps) {
   size_t out = 0, in = (size_t)halo->particles->ghosts * bytes;
   for (int partner = 0; partner < halo->send_count; partner++) {
@@ -226,11 +232,9 @@ void hc_halo_begin_some(hc_halo *halo, hc_field_set fields, const uint64_t *chos
   for (int partner = 0; partner < halo->send_count; partner++) {
     halo->send[partner].data = to;
     const char *end = pack_chosen(halo, partner, columns, count, to);
-    halo->send[partner].bytes = (size_t)(end - to);
     const size_t most =
         (size_t)halo->copies[partner] * hc_halo_bytes(fields) + bitmap_bytes(halo->copies[partner]);
-    if (most > halo->domain->comm->part_limit)
-      halo->send[partner].bytes = most; /* as many parts as expected */
+    halo->send[partner].bytes = bytes_to_send(halo, (size_t)(end - to), most);
     to += aligned(halo->send[partner].bytes);
   }
   expect_messages(halo, hc_halo_bytes(fields), true);
@@ -290,37 +294,67 @@ static size_t size_of(hc_field_type type) {
   return sizes[type];
 }
 
-/* The messages of a refresh, the other way round. */
-static void send_back(hc_halo *halo, const column *column) {
-  make_buffers(halo, column->bytes, false);
-  expect_messages(halo, column->bytes, false);
+/* The rows of a message that `chosen` names, behind their bitmap; `chosen` knows the first as `begin`. */
+static char *pack_rows_of(const column *column, int32_t begin, int32_t count, const uint64_t *chosen,
+                          char *to) {
+  uint64_t *bitmap = (uint64_t *)(void *)to;
+  memset(bitmap, 0, bitmap_bytes(count));
+  to += bitmap_bytes(count);
+  for (int32_t k = 0; k < count; k++) {
+    if (!is_set(chosen, begin + k)) continue;
+    bitmap[k / 64] |= (uint64_t)1 << (k % 64);
+    to = pack_rows(to, column, begin + k, 1);
+  }
+  return to;
+}
+
+/* The messages of a refresh, the other way round: of chosen ghosts, or of all. */
+static void send_back(hc_halo *halo, const column *column, const uint64_t *chosen) {
+  make_buffers(halo, column->bytes, chosen != NULL);
+  expect_messages(halo, column->bytes, chosen != NULL);
   char *to = halo->send_buffer;
   for (int partner = 0; partner < halo->send_count; partner++) {
     halo->send[partner].data = to;
-    halo->send[partner].bytes = (size_t)halo->copies[partner] * column->bytes;
-    to += halo->send[partner].bytes;
+    halo->send[partner].bytes =
+        (size_t)halo->copies[partner] * column->bytes + (chosen ? bitmap_bytes(halo->copies[partner]) : 0);
+    to += chosen ? aligned(halo->send[partner].bytes) : halo->send[partner].bytes;
   }
-  for (int m = 0; m < halo->receive_count; m++)
-    pack_rows(halo->receive[m].data, column, halo->particles->own + halo->ghost_begin[m],
-              halo->ghost_begin[m + 1] - halo->ghost_begin[m]);
+  for (int m = 0; m < halo->receive_count; m++) {
+    const int32_t begin = halo->particles->own + halo->ghost_begin[m],
+                  count = halo->ghost_begin[m + 1] - halo->ghost_begin[m];
+    char *const data = halo->receive[m].data;
+    if (!chosen) {
+      pack_rows(data, column, begin, count);
+      continue;
+    }
+    const char *end = pack_rows_of(column, begin, count, chosen, data);
+    halo->receive[m].bytes = bytes_to_send(halo, (size_t)(end - data), halo->receive[m].bytes);
+  }
   halo->exchange = (hc_exchange){
       halo->receive_count, halo->send_count, halo->receive, halo->send, halo->requests, NULL, 0};
   hc_comm_exchange_begin(halo->domain->comm, &halo->exchange, halo->tag);
   hc_comm_exchange_end(halo->domain->comm, &halo->exchange);
 }
 
-void hc_halo_fold_least(hc_halo *halo, hc_field_type type, int components, void *values) {
+void hc_halo_fold_least(hc_halo *halo, hc_field_type type, int components, void *values,
+                        const uint64_t *chosen) {
   HC_CHECK(!halo->fields, "one exchange at a time");
   HC_CHECK(type != HC_TYPE_record, "only plain numbers can be folded");
   const size_t bytes = (size_t)components * size_of(type);
-  send_back(halo, &(column){values, bytes, bytes, false});
+  send_back(halo, &(column){values, bytes, bytes, false}, chosen);
   for (int partner = 0; partner < halo->send_count; partner++) {
+    const uint64_t *const bitmap = halo->send[partner].data;
     const char *from = halo->send[partner].data;
+    if (chosen) from += bitmap_bytes(halo->copies[partner]);
+    int32_t copy = 0;
     for (int32_t k = halo->send_begin[partner]; k < halo->send_begin[partner + 1]; k++) {
       int32_t begin, count;
       rows_of(halo, &halo->cells[k], &begin, &count);
-      for (int32_t i = begin; i < begin + count; i++, from += bytes)
+      for (int32_t i = begin; i < begin + count; i++, copy++) {
+        if (chosen && !is_set(bitmap, copy)) continue;
         take_least(type, components, (char *)values + bytes * (size_t)i, from);
+        from += bytes;
+      }
     }
   }
 }

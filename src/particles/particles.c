@@ -28,7 +28,9 @@ static bool is_record(int field) {
 /* Elements an array must hold: own particles, or ghosts and the spare elements too. */
 static size_t extent(const hc_particles *particles, int field) {
   const size_t own = (size_t)particles->own;
-  return (hc_fields[field].flags & HC_GHOST) ? own + (size_t)particles->ghosts + HC_SPARE : own;
+  return hc_field_has_ghosts(&hc_fields[field], particles->features)
+             ? own + (size_t)particles->ghosts + HC_SPARE
+             : own;
 }
 
 void hc_particles_init(hc_particles *particles, unsigned kind, unsigned features) {
@@ -97,7 +99,9 @@ void hc_particles_set_ghosts(hc_particles *particles, int32_t ghosts) {
   const size_t own = (size_t)particles->own;
   particles->ghosts = ghosts;
   for (int field = 0; field < HC_FIELD_COUNT; field++) {
-    if (!has(particles, field) || !(hc_fields[field].flags & HC_GHOST) || is_record(field)) continue;
+    if (!has(particles, field) || !hc_field_has_ghosts(&hc_fields[field], particles->features) ||
+        is_record(field))
+      continue;
     const size_t bytes = hc_fields[field].bytes, all = extent(particles, field);
     hc_reserve(&particles->data[field], &particles->capacity[field], all, own, bytes);
     memset((char *)particles->data[field] + (all - HC_SPARE) * bytes, 0, HC_SPARE * bytes);

@@ -42,7 +42,8 @@ enum {
   HC_GHOST = 8,
   HC_CARRIED = 16,
   HC_STATE = 32 | HC_CARRIED,
-  HC_SNAPSHOT = 64
+  HC_SNAPSHOT = 64,
+  HC_DRIFTING = 128
 };
 
 /* What a run does with its particles, as far as fields depend on it. */
@@ -81,9 +82,13 @@ typedef uint64_t hc_field_set;
 #define HC_SCALAR(name) ((hc_field_set)1 << (32 + HC_FIELD_##name))
 _Static_assert(HC_FIELD_COUNT <= 32, "a set of fields has a bit for each row, and one for its scalar");
 
-/* Has a set of particles of a kind this field, in a run with these features? Is the field state then? */
+/* Has a set of particles of a kind this field, in a run with these features? Have ghosts it then? Is it
+ * state? */
 static inline bool hc_field_is_there(const hc_field_info *info, unsigned kind, unsigned features) {
   return (info->flags & kind) && (!info->needs || (info->needs & features));
+}
+static inline bool hc_field_has_ghosts(const hc_field_info *info, unsigned features) {
+  return (info->flags & HC_GHOST) || ((info->flags & HC_DRIFTING) && (features & HC_FOR_INDIVIDUAL));
 }
 static inline bool hc_field_is_state(const hc_field_info *info) {
   return (info->flags & HC_STATE) == HC_STATE;

@@ -58,7 +58,7 @@ double hc_footprint_ghost(const hc_scene *scene) {
   double records = 0.0;
   for (int field = 0; field < HC_FIELD_COUNT; field++)
     if (hc_field_is_there(&hc_fields[field], HC_FLUID, hc_settings_features(scene)) &&
-        (hc_fields[field].flags & HC_GHOST))
+        hc_field_has_ghosts(&hc_fields[field], hc_settings_features(scene)))
       records += (double)hc_fields[field].bytes;
   return records + EXCHANGE;
 }

@@ -14,12 +14,16 @@
  *
  * Beyond the paper: blocks; in raw steps too no particle steps across one, and its step is no longer than
  * sound is stable with. Where a neighbour's raw step has grown, line 16 would let an inactive particle's grow
- * at once; here it does when that particle is active. Walls that move go on in a
- * block as they are at its beginning.
+ * at once; here it does when that particle is active. Walls that move go on in a block as they are at its
+ * beginning.
  *
  * Lists are of all particles with a margin: cells are wider than the support. They hold until what particles
  * may have moved has used up half of it; then (or, without `lasting`, in every sub-step) particles are placed
- * and listed anew at their positions of that time, which nobody's activation hangs on. */
+ * and listed anew at their positions of that time, which nobody's activation hangs on.
+ *
+ * What a sub-step costs follows who is active: of the others those next to them are looked at (block.h), and
+ * messages carry rows of active particles: their pressures, what they go on from when they were active, and,
+ * back to the owners, what raw steps ask of those beside them. */
 #ifndef HC_INDIVIDUAL_H
 #define HC_INDIVIDUAL_H
 

@@ -29,7 +29,7 @@ static void evaluate(hc_world *world, const hc_solver_settings *settings, hc_ste
   hc_remember_velocities(world);
   hc_fault_watch_start(world, weak->longest, &report->fault);
   hc_stopwatch_enter(&world->watch, HC_STAGE_DENSITY);
-  hc_weak_pressures(world, weak, world->listed, NULL, &total);
+  hc_weak_pressures(world, weak, world->listed, NULL, NULL, &total);
   hc_fault_watch_density(world, &report->fault);
 
   hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);
@@ -78,7 +78,7 @@ static double reach(const hc_solver_settings *settings, const hc_step_report *re
 static void densities(hc_world *world, const hc_solver_settings *settings) {
   hc_error_total total;
   memset(&total, 0, sizeof total);
-  hc_weak_pressures(world, &own_of(settings)->weak, world->listed, NULL, &total);
+  hc_weak_pressures(world, &own_of(settings)->weak, world->listed, NULL, NULL, &total);
 }
 
 static void describe(const hc_solver_settings *settings, char *text, size_t size) {

@@ -6,7 +6,7 @@
 #include <string.h>
 
 void hc_weak_pressures(hc_world *world, const hc_weak_settings *settings, hc_selection selection,
-                       const uint64_t *chosen, hc_error_total *total) {
+                       const uint64_t *chosen, uint64_t *ghosts, hc_error_total *total) {
   const hc_selection border = hc_select_border(selection, world->fluid),
                      interior = hc_select_interior(selection, world->fluid);
   world->sweeps->weak_density(&world->sweep, &settings->tait, border, total);
@@ -16,7 +16,7 @@ void hc_weak_pressures(hc_world *world, const hc_weak_settings *settings, hc_sel
     hc_halo_begin(world->halo, HC_SCALAR(place));
   world->sweeps->weak_density(&world->sweep, &settings->tait, interior, total);
   if (chosen)
-    hc_halo_end_some(world->halo, NULL);
+    hc_halo_end_some(world->halo, ghosts);
   else
     hc_halo_end(world->halo);
 }

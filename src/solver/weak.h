@@ -17,10 +17,11 @@ typedef struct hc_weak_settings {
 /* The lists are of all particles; `selection` is all, or with an index of_all. Local but for the halo. */
 
 /* Densities, pressures and what walls share in them, of selected own particles, and of the copies of `chosen`
- * (bits of own particles; null: all). Adds what hc_sweeps.weak_density does to the total. Places of ghosts
- * must be current. Collective among partners. */
+ * (bits of own particles; null: all); `ghosts`, unless null, receives a bit for each of these copies. Adds
+ * what hc_sweeps.weak_density does to the total. Places of ghosts must be current. Collective among partners.
+ */
 void hc_weak_pressures(hc_world *world, const hc_weak_settings *settings, hc_selection selection,
-                       const uint64_t *chosen, hc_error_total *total);
+                       const uint64_t *chosen, uint64_t *ghosts, hc_error_total *total);
 
 /* Accelerations of selected own particles, m/s2, three a particle, gravity included, in the store's scratch;
  * into `rate`, unless null, dD/dt. What walls do beside their pressure, behind hc_wall_layer_look, is found

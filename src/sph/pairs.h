@@ -401,7 +401,6 @@ void HC_ISA_SYMBOL(hc_weak_density)(const hc_sweep *sweep, const hc_tait *tait, 
                                     hc_error_total *total);
 void HC_ISA_SYMBOL(hc_weak_forces)(const hc_sweep *sweep, float viscosity, float weight, float *change,
                                    float *rate, hc_selection selection);
-void HC_ISA_SYMBOL(hc_least_scalar)(const hc_sweep *sweep, float *least, hc_selection selection);
 void HC_ISA_SYMBOL(hc_wall_layer)(const hc_sweep *sweep, const hc_touch *touches, int32_t count,
                                   hc_wall_around *around);
 typedef void hc_prediction_sweep(const hc_sweep *sweep, const hc_prediction *prediction,

@@ -204,10 +204,6 @@ typedef struct hc_sweeps {
   void (*weak_forces)(const hc_sweep *sweep, float viscosity, float weight, float *change, float *rate,
                       hc_selection selection);
 
-  /* least_i: no more than motion.scalar of the particle and its fluid neighbours; and no more than that of a
-   * selected particle next to it. For own particles and ghosts. */
-  void (*least_scalar)(const hc_sweep *sweep, float *least, hc_selection selection);
-
   /* What `count` particles next to walls have around them; all of the fluid must be listed. */
   void (*wall_layer)(const hc_sweep *sweep, const hc_touch *touches, int32_t count, hc_wall_around *around);
 

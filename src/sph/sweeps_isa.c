@@ -186,7 +186,6 @@ const hc_sweeps *HC_ISA_SYMBOL(hc_sweeps)(void) {
                                    .cohesion = HC_ISA_SYMBOL(hc_cohesion),
                                    .weak_density = HC_ISA_SYMBOL(hc_weak_density),
                                    .weak_forces = HC_ISA_SYMBOL(hc_weak_forces),
-                                   .least_scalar = HC_ISA_SYMBOL(hc_least_scalar),
                                    .wall_layer = HC_ISA_SYMBOL(hc_wall_layer),
                                    .boundary_volume = boundary_volume,
                                    .predicted_density = HC_ISA_SYMBOL(hc_predicted_density),

@@ -177,9 +177,10 @@ END_TEST
 
 /* ---- of a selection ---- */
 
+/* Of own particles and ghosts. */
 static uint64_t *choose(const placed *p, int quarters, int round) {
-  uint64_t *chosen = hc_alloc_zero((size_t)p->own / 64 + 1, sizeof *chosen);
-  for (int32_t k = 0; k < p->own; k++)
+  uint64_t *chosen = hc_alloc_zero((size_t)p->all / 64 + 1, sizeof *chosen);
+  for (int32_t k = 0; k < p->all; k++)
     if (is_chosen(p->id[k], quarters, round)) chosen[k / 64] |= (uint64_t)1 << (k % 64);
   return chosen;
 }
@@ -287,8 +288,12 @@ typedef struct holder {
   double value[MOST_COMPONENTS];
 } holder;
 
-/* Gives own particles and ghosts random values of their own; tells all ranks. */
-static holder *give_values(const placed *p, number_kind kind, int round, void *values, size_t *count) {
+static const double NOTHING = 0x1p70;
+
+/* Gives own particles and ghosts random values of their own; tells all ranks those that a fold of chosen
+ * ghosts (null: of all) looks at. */
+static holder *give_values(const placed *p, number_kind kind, int round, const uint64_t *chosen, void *values,
+                           size_t *count) {
   holder *mine = hc_alloc_zero((size_t)p->all, sizeof *mine);
   for (int32_t k = 0; k < p->all; k++) {
     mine[k].id = p->id[k];
@@ -296,6 +301,7 @@ static holder *give_values(const placed *p, number_kind kind, int round, void *v
       const uint64_t seed = ((uint64_t)(comm.rank * 100 + round) << 32) + (uint64_t)(k * MOST_COMPONENTS + c);
       mine[k].value[c] = random_of(kind.type, seed);
       put(values, kind.type, (size_t)(k * kind.components + c), mine[k].value[c]);
+      if (chosen && k >= p->own && !(chosen[k / 64] >> (k % 64) & 1)) mine[k].value[c] = NOTHING;
     }
   }
   void *all;
@@ -311,7 +317,7 @@ static bool fold_is_right(const placed *p, number_kind kind, const void *values,
                           size_t count, const void *before) {
   holder *least = hc_alloc((size_t)p->w.all_count, sizeof *least);
   for (int32_t k = 0; k < p->w.all_count; k++)
-    for (int c = 0; c < MOST_COMPONENTS; c++) least[k].value[c] = 0x1p70;
+    for (int c = 0; c < MOST_COMPONENTS; c++) least[k].value[c] = NOTHING;
   for (size_t k = 0; k < count; k++)
     for (int c = 0; c < kind.components; c++) {
       double *value = &least[holders[k].id].value[c];
@@ -328,31 +334,73 @@ static bool fold_is_right(const placed *p, number_kind kind, const void *values,
   return good;
 }
 
+static size_t fold(placed *p, number_kind kind, int round, const uint64_t *chosen) {
+  const size_t room = (size_t)p->all * MOST_COMPONENTS * sizeof(double);
+  void *values = hc_alloc_zero(room, 1), *before = hc_alloc_zero(room, 1);
+  size_t count;
+  holder *holders = give_values(p, kind, round, chosen, values, &count);
+  memcpy(before, values, room);
+  hc_halo_fold_least(&p->w.halo, kind.type, kind.components, values, chosen);
+  EXPECT(fold_is_right(p, kind, values, holders, count, before));
+  hc_free(holders);
+  hc_free(values);
+  hc_free(before);
+  return count;
+}
+
 START_TEST(folds_bring_the_least_of_all_copies) {
   int64_t several = 0; /* copies beyond the first of their particle */
   for (int r = 0; r < REGIONS; r++) {
     placed p;
     placed_init(&p, &regions[r], r);
-    const size_t room = (size_t)p.all * MOST_COMPONENTS * sizeof(double);
-    void *values = hc_alloc_zero(room, 1), *before = hc_alloc_zero(room, 1);
-    for (int k = 0; k < KINDS; k++) {
-      size_t count;
-      holder *holders = give_values(&p, kinds[k], k, values, &count);
-      memcpy(before, values, room);
-      hc_halo_fold_least(&p.w.halo, kinds[k].type, kinds[k].components, values);
-      EXPECT(fold_is_right(&p, kinds[k], values, holders, count, before));
-      several += (int64_t)count > 2 * p.w.all_count;
-      hc_free(holders);
-    }
+    for (int k = 0; k < KINDS; k++) several += (int64_t)fold(&p, kinds[k], k, NULL) > 2 * p.w.all_count;
     set_own(&p, 0, p.own, 7); /* a refresh after a fold */
     spoil_ghosts(&p);
     hc_halo_refresh(&p.w.halo, HC_WHOLE(motion));
     EXPECT(all_is_right(&p, HC_WHOLE(motion), 7, EVERY));
-    hc_free(values);
-    hc_free(before);
     placed_free(&p);
   }
   ck_assert_int_gt(several, 0);
+}
+END_TEST
+
+START_TEST(folds_of_some_leave_the_others) {
+  const size_t limit = comm.part_limit;
+  for (int r = 0; r < REGIONS; r++) {
+    placed p;
+    placed_init(&p, &regions[r], r);
+    for (int round = 0; round < KINDS * (EVERY + 1); round++) {
+      uint64_t *chosen = choose(&p, round % (EVERY + 1), round);
+      hc_comm_set_part_limit(&comm, round % 2 ? 100 : limit);
+      fold(&p, kinds[round % KINDS], round, chosen);
+      hc_free(chosen);
+    }
+    hc_comm_set_part_limit(&comm, limit);
+    placed_free(&p);
+  }
+}
+END_TEST
+
+/* The fewer are chosen, the fewer bytes are sent, there and back. */
+START_TEST(what_is_not_chosen_is_not_sent) {
+  placed p;
+  placed_init(&p, &regions[3], 0);
+  int64_t bytes[EVERY + 1];
+  for (int quarters = 0; quarters <= EVERY; quarters++) {
+    uint64_t *chosen = choose(&p, quarters, 0);
+    float *values = hc_alloc_zero((size_t)p.all, sizeof *values);
+    const int64_t before = comm.bytes_sent;
+    hc_halo_begin_some(&p.w.halo, HC_WHOLE(motion), chosen);
+    hc_halo_end_some(&p.w.halo, NULL);
+    hc_halo_fold_least(&p.w.halo, HC_TYPE_f32, 1, values, chosen);
+    bytes[quarters] = comm.bytes_sent - before;
+    hc_free(values);
+    hc_free(chosen);
+  }
+  hc_comm_sum_i64(&comm, bytes, EVERY + 1);
+  for (int quarters = 0; quarters < EVERY && comm.size > 1; quarters++)
+    ck_assert(bytes[quarters] < bytes[quarters + 1]);
+  placed_free(&p);
 }
 END_TEST
 
@@ -365,12 +413,12 @@ START_TEST(a_fold_minds_its_own_halo) {
   const size_t room = (size_t)p[1].all * sizeof(float);
   float *values = hc_alloc(room, 1), *before = hc_alloc(room, 1);
   size_t count;
-  holder *holders = give_values(&p[1], kind, 0, values, &count);
+  holder *holders = give_values(&p[1], kind, 0, NULL, values, &count);
   memcpy(before, values, room);
   set_own(&p[0], 0, p[0].own, 3);
   spoil_ghosts(&p[0]);
   hc_halo_begin(&p[0].w.halo, HC_WHOLE(place));
-  hc_halo_fold_least(&p[1].w.halo, kind.type, kind.components, values);
+  hc_halo_fold_least(&p[1].w.halo, kind.type, kind.components, values, NULL);
   hc_halo_end(&p[0].w.halo);
   EXPECT(fold_is_right(&p[1], kind, values, holders, count, before));
   EXPECT(all_is_right(&p[0], HC_WHOLE(place), 3, EVERY));
@@ -391,6 +439,8 @@ int main(int argc, char **argv) {
   tcase_add_test(tests, some_are_refreshed_and_others_left_alone);
   tcase_add_test(tests, two_halos_may_be_under_way);
   tcase_add_test(tests, folds_bring_the_least_of_all_copies);
+  tcase_add_test(tests, folds_of_some_leave_the_others);
+  tcase_add_test(tests, what_is_not_chosen_is_not_sent);
   tcase_add_test(tests, a_fold_minds_its_own_halo);
   return run_mpi_tests("halo_refresh", tests);
 }

@@ -17,7 +17,7 @@ static bool is_carried(unsigned kind, int field) {
   return has(kind, field) && (hc_fields[field].flags & HC_CARRIED);
 }
 static bool has_ghosts(unsigned kind, int field) {
-  return has(kind, field) && (hc_fields[field].flags & HC_GHOST);
+  return has(kind, field) && hc_field_has_ghosts(&hc_fields[field], HC_FOR_ALL);
 }
 
 /* Bytes of a field that tell which particle and which field they are. */

@@ -138,43 +138,6 @@ START_TEST(a_part_is_as_all) {
 }
 END_TEST
 
-static float step_of(uint64_t id) {
-  return (float)(1 << (int)(10 + 9 * random_number(31 * id)));
-}
-
-START_TEST(least_steps) {
-  setting s;
-  make_cloud(&s, FLUID, WALL);
-  int32_t index[FLUID], count = 0;
-  for (int32_t i = 1; i < FLUID; i += 4) index[count++] = i;
-  for (int32_t i = 0; i < FLUID; i++) s.fluid.motion[i].scalar = step_of(s.fluid.id[i]);
-  float expected[FLUID], found[FLUID];
-  for (int32_t i = 0; i < FLUID; i++) expected[i] = FLT_MAX;
-  for (int32_t k = 0; k < count; k++) {
-    const int32_t i = index[k];
-    expected[i] = fminf(expected[i], s.fluid.motion[i].scalar);
-    for (int32_t n = 0; n < hc_list_count(&s.list, i); n++) {
-      const int32_t j = (int32_t)(hc_list_row(&s.list, i)[n] / sizeof(hc_record));
-      expected[i] = fminf(expected[i], s.fluid.motion[j].scalar);
-      expected[j] = fminf(expected[j], s.fluid.motion[i].scalar);
-    }
-  }
-  for (size_t k = 0; k < sizeof isas / sizeof *isas; k++) {
-    if (!runs_here(isas[k])) continue;
-    for (int32_t i = 0; i < FLUID; i++) found[i] = FLT_MAX;
-    hc_sweeps_of(isas[k])->least_scalar(&s.sweep, found, (hc_selection){index, 0, count, true});
-    for (int32_t i = 0; i < FLUID; i++) {
-      const bool chosen =
-          i % 4 == 1; /* what is asked of others matters only where it is less than their own */
-      ck_assert(chosen ? found[i] == expected[i]
-                       : found[i] >= expected[i] &&
-                             (found[i] == expected[i] || expected[i] >= s.fluid.motion[i].scalar));
-    }
-  }
-  setting_free(&s);
-}
-END_TEST
-
 int main(void) {
   Suite *const suite = suite_create("weak");
   TCase *const cases = tcase_create("pairs");
@@ -182,7 +145,6 @@ int main(void) {
   tcase_add_test(cases, densities_and_pressures);
   tcase_add_test(cases, forces_and_rates);
   tcase_add_test(cases, a_part_is_as_all);
-  tcase_add_test(cases, least_steps);
   suite_add_tcase(suite, cases);
   SRunner *const runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);
