@@ -49,8 +49,16 @@ void hc_block_touch(hc_block *block, bool all);
 
 bool hc_block_is_active(const hc_block *block, int32_t i); /* ghosts behind own particles */
 
-/* The first touched one of particles [from, end), or end. */
-int32_t hc_block_touched(const hc_block *block, int32_t from, int32_t end);
+/* The first touched one of particles [from, end), or end or more. */
+static inline int32_t hc_block_touched(const hc_block *block, int32_t from, int32_t end) {
+  const uint64_t *const touched = block->world->chosen.touched;
+  while (from < end) {
+    const uint64_t left = touched[from / 64] >> (from % 64);
+    if (left) return from + __builtin_ctzll(left);
+    from = (from / 64 + 1) * 64;
+  }
+  return end;
+}
 #define HC_FOR_TOUCHED(block, i, from, end)                                                                  \
   for (int32_t i = hc_block_touched(block, from, end); i < (end); i = hc_block_touched(block, i + 1, end))
 

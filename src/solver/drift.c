@@ -121,16 +121,6 @@ void hc_block_activate_all(hc_block *b) {
   hc_block_touch(b, true);
 }
 
-int32_t hc_block_touched(const hc_block *b, int32_t from, int32_t end) {
-  const uint64_t *const touched = b->world->chosen.touched;
-  while (from < end) {
-    const uint64_t left = touched[from / 64] >> (from % 64);
-    if (left) return from + __builtin_ctzll(left);
-    from = (from / 64 + 1) * 64;
-  }
-  return end;
-}
-
 /* ---- what sweeps see ---- */
 
 static void show(const hc_block *b, int32_t i) {
