@@ -173,7 +173,7 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
   simulation->solver_settings = hc_setup_solver_settings(scene);
   const double ratio = scene->particle_spacing / scene->support_radius, h = frame.support_radius;
   const double volume_factor = hc_settings_wall_factor(scene);
-  const hc_world_settings settings = {
+  hc_world_settings settings = {
       .frame = frame,
       .rest_density = scene->fluid.rest_density,
       .mass =
@@ -189,6 +189,7 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
       .boundary_ops = hc_settings_boundary(scene),
       .features = hc_settings_features(scene),
       .isa = simulation->isa};
+  settings.drag = hc_solver_wall_drag(simulation->solver_settings, h, &settings.drag_coefficient);
   hc_world_init(&simulation->world, comm, &settings);
   if (plan_particles(simulation, error) != HC_OK) hc_simulation_free(simulation);
   return error->status;

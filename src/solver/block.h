@@ -17,6 +17,7 @@ typedef struct hc_block {
   const hc_weak_settings *settings;
   const hc_individual_settings *individual;
   double unit;               /* s: of a tick */
+  double per_metre[3];       /* units of positions */
   double longest;            /* s: no step of a particle is longer */
   float most;                /* ticks: the raw step of a particle that needs no shorter one than that */
   double calm_v2, calm_a2;   /* it needs none up to these squares of its speed and force */
@@ -26,6 +27,7 @@ typedef struct hc_block {
   double fastest, strongest; /* m/s, m/s2: largest of particles as they became active, so far */
   double speed;              /* m/s: no particle goes on faster */
   double used;               /* m: by which particles may have moved since they were listed */
+  bool relisted;             /* lists are not those of the block's beginning */
   bool ghosts_new;           /* they know nothing but their places and motions */
   hc_selection active;       /* in this sub-step, and the same as bits in world->chosen */
   int64_t evaluated;         /* active particles so far, but those of the first sub-step */
@@ -44,7 +46,8 @@ void hc_block_activate_all(hc_block *block);
  */
 void hc_block_activate(hc_block *block);
 
-/* Touches active particles and what their lists name; or, where these are many or `all`, every one. Local. */
+/* Touches active particles, what their lists name, and those that have copies; or, where these are many or
+ * `all`, every one. Local. */
 void hc_block_touch(hc_block *block, bool all);
 
 bool hc_block_is_active(const hc_block *block, int32_t i); /* ghosts behind own particles */

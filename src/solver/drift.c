@@ -17,11 +17,10 @@ static float relative_density(const hc_block *b, int32_t i, double t) {
 /* Velocity and way since it was active, units. */
 static void go_on(const hc_block *b, int32_t i, double t, double velocity[3], int64_t way[3]) {
   const hc_particles *const fluid = b->world->fluid;
-  const double *const unit = b->world->frame.unit;
   for (int axis = 0; axis < 3; axis++) {
     velocity[axis] = fluid->velocity[3 * (size_t)i + (size_t)axis] +
                      t * (double)fluid->force[3 * (size_t)i + (size_t)axis];
-    way[axis] = llrint(t * velocity[axis] / unit[axis]);
+    way[axis] = llrint(t * velocity[axis] * b->per_metre[axis]);
   }
 }
 
@@ -104,6 +103,7 @@ void hc_block_touch(hc_block *b, bool all) {
   hc_reserve((void **)&chosen->touched, &chosen->touched_room, words_of(records), 0, sizeof *chosen->touched);
   all |= FEW * b->active.end > world->fluid->own;
   memset(chosen->touched, all ? 0xff : 0, bytes);
+  for (int32_t i = 0; i < world->fluid->border && !all; i++) set(chosen->touched, i);
   for (int32_t row = b->active.begin; row < b->active.end && !all; row++) {
     const int32_t i = b->active.index[row], count = hc_list_count(&world->list, i);
     const uint32_t *const neighbors = hc_list_row(&world->list, i);
@@ -153,7 +153,7 @@ void hc_block_show_walls(hc_block *b) {
   const double before = b->walls_shown * b->unit, now = b->now * b->unit;
   for (int32_t k = 0; k < walls->own + walls->ghosts; k++)
     for (int axis = 0; axis < 3; axis++) {
-      const double speed = (double)walls->motion[k].v[axis] / b->world->frame.unit[axis];
+      const double speed = (double)walls->motion[k].v[axis] * b->per_metre[axis];
       const int64_t change = llrint(now * speed) - llrint(before * speed);
       walls->place[k].x[axis] = (int32_t)((uint32_t)walls->place[k].x[axis] + (uint32_t)(uint64_t)change);
     }

@@ -56,6 +56,7 @@ static void place_anew(hc_block *b) {
   hc_block_tell_ghosts(b);
   hc_block_show_ghosts(b);
   world->holds.count = 0;
+  b->relisted = true;
   b->used =
       b->walls_fastest * b->now * b->unit; /* of walls, which are in the cells of the block's beginning */
 }
@@ -147,8 +148,9 @@ static float raw_step(const hc_block *b, int32_t i, hc_fault *fault) {
 
 /* When a step of so many ticks is over that begins at `from`, or, in powers of two, whose rhythm is taken up.
  */
-static float end_of(const hc_block *b, double from, double step) {
-  const double end = b->individual->raw ? from + step : (floor(b->now / step) + 1.0) * step;
+static float end_of(const hc_block *b, double from, float step) {
+  const int32_t ticks = (int32_t)step;
+  const double end = b->individual->raw ? from + (double)step : (double)(((int32_t)b->now & -ticks) + ticks);
   return (float)(end < TICKS ? end : TICKS);
 }
 
@@ -181,47 +183,39 @@ static void ask(const hc_block *b, int32_t i) {
   }
 }
 
-/* Wakes a particle that is not active in time for what those next to it ask. */
-static void wake(const hc_block *b, int32_t i) {
+/* Line 16: an active particle's step is no longer than what it is asked for; another one is woken in time. */
+static void heed(const hc_block *b, int32_t i) {
   float *const schedule = hc_block_schedule(b, i);
   const float asked = b->world->chosen.asked[i];
-  if (!(asked < FLT_MAX && (double)schedule[HC_LAST] < b->now)) return;
-  const float end = end_of(b, (double)schedule[HC_LAST], (double)asked);
-  if (end < schedule[HC_DUE]) schedule[HC_DUE] = end;
+  const bool active = (double)schedule[HC_LAST] == b->now;
+  if (!active && asked == FLT_MAX) return;
+  const float end = end_of(b, (double)schedule[HC_LAST], active ? fminf(schedule[HC_RAW], asked) : asked);
+  if (active || end < schedule[HC_DUE]) schedule[HC_DUE] = end;
 }
 
-/* The next sub-step, as far as own particles say. */
+/* The next sub-step, as far as own particles say: when the first is due, or, in raw steps, when the shortest
+ * of all steps is over. */
 static double next_of_own(const hc_block *b) {
-  double soonest = TICKS;
+  const bool raw = b->individual->raw;
+  float soonest = (float)TICKS;
   for (int32_t i = 0; i < b->world->fluid->own; i++) {
     const float *const schedule = hc_block_schedule(b, i);
-    const double next = b->individual->raw ? b->now + (double)(schedule[HC_DUE] - schedule[HC_LAST])
-                                           : (double)schedule[HC_DUE];
-    if (next < soonest) soonest = next;
+    const float next = raw ? schedule[HC_DUE] - schedule[HC_LAST] : schedule[HC_DUE];
+    soonest = next < soonest ? next : soonest;
   }
-  return soonest;
+  return fmin(raw ? b->now + (double)soonest : (double)soonest, TICKS);
 }
 
-/* Gives active particles their steps, line 16, and shortens those of others next to them. Collective among
- * partners. */
+/* Gives active particles their steps and shortens those of others next to them. Collective among partners. */
 static void spread_steps(hc_block *b) {
   hc_world *const world = b->world;
-  const hc_particles *const fluid = world->fluid;
+  const int32_t own = world->fluid->own, records = own + world->fluid->ghosts;
   hc_chosen *const chosen = &world->chosen;
-  const int32_t records = fluid->own + fluid->ghosts;
   hc_reserve((void **)&chosen->asked, &chosen->asked_room, (size_t)records + 1, 0, sizeof *chosen->asked);
-  for (int32_t i = 0; i < fluid->border; i++) chosen->asked[i] = FLT_MAX; /* copies may ask of them */
-  HC_FOR_TOUCHED(b, i, fluid->border, records) chosen->asked[i] = FLT_MAX;
-  for (int32_t i = 0; i < fluid->border; i++) ask(b, i);
-  HC_FOR_TOUCHED(b, i, fluid->border, fluid->own) ask(b, i);
+  HC_FOR_TOUCHED(b, i, 0, records) chosen->asked[i] = FLT_MAX;
+  HC_FOR_TOUCHED(b, i, 0, own) ask(b, i);
   hc_halo_fold_least(world->halo, HC_TYPE_f32, 1, chosen->asked, chosen->touched);
-  for (int32_t row = b->active.begin; row < b->active.end; row++) {
-    const int32_t i = b->active.index[row];
-    float *const schedule = hc_block_schedule(b, i);
-    schedule[HC_DUE] = end_of(b, b->now, (double)fminf(schedule[HC_RAW], chosen->asked[i]));
-  }
-  for (int32_t i = 0; i < fluid->border; i++) wake(b, i);
-  HC_FOR_TOUCHED(b, i, fluid->border, fluid->own) wake(b, i);
+  HC_FOR_TOUCHED(b, i, 0, own) heed(b, i);
   b->next = next_of_own(b);
 }
 
@@ -337,6 +331,9 @@ static void finish(hc_block *b) {
   }
   b->world->block = dt;
   merge_holds(&b->world->holds);
+  if (b->relisted) /* what walls do was only found of particles that were active since */
+    hc_wall_layer_add(b->world, &b->settings->common, b->settings->longest,
+                      hc_weak_accelerations_of(b->world), hc_select_all(fluid));
   hc_wall_layer_shorten(b->world, TICKS * b->unit / b->settings->longest);
 }
 
@@ -352,6 +349,7 @@ hc_status hc_individual_advance(hc_world *world, const hc_weak_settings *setting
                 .strongest = report->force_max,
                 .report = report};
   const double h = world->frame.support_radius;
+  for (int axis = 0; axis < 3; axis++) b.per_metre[axis] = 1.0 / world->frame.unit[axis];
   b.most = raw_ticks(&b, b.longest);
   b.calm_v2 = square(individual->velocity * h / b.longest);
   b.calm_a2 = square(square(individual->force / b.longest) * h);

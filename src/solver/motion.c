@@ -24,6 +24,15 @@ double hc_fastest(const hc_particles *fluid) {
   return largest;
 }
 
+hc_wall_drag hc_solver_wall_drag(const hc_solver_settings *settings, double support_radius,
+                                 double *coefficient) {
+  *coefficient = settings->viscosity_coefficient;
+  if (settings->viscosity == HC_VISCOUS_LAMINAR) return HC_DRAG_LAMINAR;
+  if (settings->viscosity != HC_VISCOUS_ARTIFICIAL) return HC_DRAG_NONE;
+  *coefficient *= support_radius * settings->sound_speed;
+  return HC_DRAG_ARTIFICIAL;
+}
+
 static void viscous_change(hc_world *world, const hc_solver_settings *settings, double dt, float *change,
                            hc_selection selection) {
   const hc_sweep *sweep = &world->sweep;

@@ -42,6 +42,10 @@ typedef struct hc_solver_settings {
   bool negative_pressure;
 } hc_solver_settings;
 
+/* How that viscosity acts at walls; see hc_sweep. Local. */
+hc_wall_drag hc_solver_wall_drag(const hc_solver_settings *settings, double support_radius,
+                                 double *coefficient);
+
 /* What moving adds up: on one rank, until hc_move_note's tally is reduced. */
 typedef struct hc_moved {
   hc_sum energy[2];                 /* sums of v^2, and of minus the potential */

@@ -78,6 +78,80 @@ static double strength(const hc_sweep *sweep, int32_t i, const pair *pair, const
   return 0.0;
 }
 
+/* ---- viscosity at walls, as in forces_isa.c and weak_isa.c ---- */
+
+/* Of a particle, for the drag on its samples. */
+typedef struct dragger {
+  double velocity[3]; /* at the step's beginning, m/s */
+  double normal[3];   /* of the wall by the volumes around; 0: there are none */
+  double distance;    /* from walls of frozen fluid, support radii */
+  double factor;      /* kg/s for a volume and a support radius; 0: no drag */
+  bool frozen;
+} dragger;
+
+static double distance_from_walls(const hc_sweep *sweep, int32_t i) {
+  const uint32_t *const offset = hc_list_row(sweep->walls, i);
+  double least = 1.0;
+  for (int32_t k = 0; k < hc_list_count(sweep->walls, i); k++) {
+    const pair pair = make_pair(sweep, i, offset[k]);
+    const double height = along(sweep->boundary->facing[pair.b].v, pair.d);
+    if (height > 0.0 && height < least) least = height;
+  }
+  return least - (double)sweep->wall_offset;
+}
+
+static dragger find_dragger(const hc_sweep *sweep, int32_t i, double dt) {
+  const hc_particles *const fluid = sweep->fluid;
+  dragger g = {.factor = 0.0, .frozen = sweep->walls_add == HC_WALLS_PRESSURE};
+  if (sweep->drag == HC_DRAG_NONE || (sweep->drag == HC_DRAG_LAMINAR && !sweep->no_slip)) return g;
+  if (sweep->walls_add != HC_WALLS_MIRRORED && !(g.frozen && sweep->drag == HC_DRAG_LAMINAR)) return g;
+  const double mass = (double)sweep->rest_density * (double)sweep->volume;
+  g.factor = (sweep->drag == HC_DRAG_LAMINAR ? 2.0 : 1.0) * mass * sweep->drag_coefficient *
+             (double)sweep->gradient / (double)sweep->support;
+  double square = 0.0;
+  for (int axis = 0; axis < 3; axis++) {
+    const size_t at = 3 * (size_t)i + (size_t)axis;
+    g.velocity[axis] = fluid->velocity[at] - dt * (double)fluid->acceleration[at];
+    if (g.frozen) continue;
+    g.normal[axis] = (double)fluid->wall_gradient[at];
+    square += g.normal[axis] * g.normal[axis];
+  }
+  for (int axis = 0; axis < 3 && square > 0.0; axis++) g.normal[axis] /= sqrt(square);
+  if (g.frozen) g.distance = distance_from_walls(sweep, i);
+  return g;
+}
+
+/* By how much more than the particle a sample slips that would let the wetted surface rest. */
+static double slip(const hc_sweep *sweep, const dragger *g, const pair *pair) {
+  const double behind = (double)sweep->wall_offset;
+  if (!g->frozen) {
+    const double distance =
+        fabs(g->normal[0] * pair->d[0] + g->normal[1] * pair->d[1] + g->normal[2] * pair->d[2]);
+    return 1.0 + behind / fmax(distance - behind, behind);
+  }
+  const double height = along(sweep->boundary->facing[pair->b].v, pair->d);
+  return 1.0 + fmin(fmax(height - g->distance, behind) / fmax(g->distance, behind), 3.0);
+}
+
+/* The force on the sample, N. */
+static void drag_of(const hc_sweep *sweep, const dragger *g, const pair *pair, double force[3]) {
+  const double guard = 0.0025, square = pair->q * pair->q;
+  memset(force, 0, 3 * sizeof *force);
+  if (g->factor == 0.0 || !(pair->q < 1.0)) return;
+  const hc_record *const motion = &sweep->boundary->motion[pair->b];
+  const double volume = g->frozen ? (double)sweep->volume : (double)sweep->boundary->place[pair->b].scalar;
+  const double factor = -g->factor * volume * hc_kernel_slope_over_q(pair->q) / (square + guard);
+  double relative[3], approach = 0.0;
+  for (int axis = 0; axis < 3; axis++) {
+    relative[axis] = g->velocity[axis] - (sweep->walls_move ? (double)motion->v[axis] : 0.0);
+    approach += relative[axis] * pair->d[axis];
+  }
+  const double slipping = sweep->drag == HC_DRAG_LAMINAR ? square * slip(sweep, g, pair) : 0.0;
+  for (int axis = 0; axis < 3; axis++)
+    force[axis] = factor * (sweep->drag == HC_DRAG_LAMINAR ? slipping * relative[axis]
+                                                           : fmin(approach, 0.0) * pair->d[axis]);
+}
+
 /* What contact with walls has changed a particle's velocity by; null: nothing. `next`: the holds before are
  * those of particles before. */
 static const float *contact_of(const hc_sweep *sweep, int32_t i, size_t *next) {
@@ -104,6 +178,7 @@ typedef struct pusher {
   bool any;    /* in front of no face: all samples share alike */
   double l[3]; /* see above */
   double rubs; /* sum of the shares in friction */
+  dragger drag;
 } pusher;
 
 /* Is the sample of a face, with a normal? */
@@ -184,7 +259,7 @@ static bool look_at_pairs(pusher *p, double dt) {
   const double of_change = -(double)sweep->rest_density * sweep->volume / dt;
   const uint32_t *const offset = hc_list_row(sweep->walls, p->i);
   double sum[3] = {0.0, 0.0, 0.0};
-  bool pushes = false;
+  bool pushes = p->drag.factor != 0.0;
   find_squared(sweep, p->i, p->squared);
   for (int axis = 0; axis < 3 && p->contact; axis++) sum[axis] = of_change * (double)p->contact[axis];
   for (int32_t k = 0; k < hc_list_count(sweep->walls, p->i); k++) {
@@ -224,14 +299,16 @@ static void share_out(const pusher *p, const hc_frame *frame, double back, doubl
                  rub =
                      of_rub > 0.0 || of_rub < 0.0 ? of_rub * hc_wall_layer_share(sweep, pair.d, pair.b) : 0.0;
     hc_wall_push push = {.wall = (int)sweep->boundary->motion[pair.b].scalar};
-    double aside[3];
+    double aside[3], drag[3];
     pair_force(p, &pair, push.force, aside);
+    drag_of(sweep, &p->drag, &pair, drag);
     for (int axis = 0; axis < 3; axis++) {
       push.at[axis] = hc_frame_to_metres(frame, axis, fluid->position[at + (size_t)axis]) -
                       back * fluid->velocity[at + (size_t)axis] -
                       pair.d[axis] / sweep->scale[axis] * frame->unit[axis];
       push.from[axis] = pair.d[axis] / sweep->scale[axis] * frame->unit[axis];
       if (weight > 0.0) push.force[axis] += weight * ((double)n[axis] * push_along + ASIDE * p->l[axis]);
+      push.force[axis] += drag[axis];
       if (rub != 0.0) push.force[axis] += rub * (double)p->touch->rub[axis];
     }
     if (push.force[0] != 0.0 || push.force[1] != 0.0 || push.force[2] != 0.0) take(context, &push);
@@ -247,7 +324,8 @@ void hc_wall_force_each(const hc_sweep *sweep, const hc_frame *frame, double dt,
     pusher p = {.sweep = sweep,
                 .i = i,
                 .contact = contact_of(sweep, i, &next_hold),
-                .touch = touch_of(sweep, i, &next_touch)};
+                .touch = touch_of(sweep, i, &next_touch),
+                .drag = find_dragger(sweep, i, dt)};
     if (look_at_pairs(&p, dt)) share_out(&p, frame, back, dt, take, context);
   }
 }

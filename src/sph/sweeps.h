@@ -72,6 +72,10 @@ typedef struct hc_wall_around {
   float depth[3];               /* V_b (depth.(x_b - x_i)) grad W over all, m/s2, by hc_touch.depth */
 } hc_wall_around;
 
+/* How a viscosity acts between fluid and walls, and its coefficient, m2/s: alpha h c of artificial, nu of
+ * laminar. */
+typedef enum hc_wall_drag { HC_DRAG_NONE, HC_DRAG_ARTIFICIAL, HC_DRAG_LAMINAR } hc_wall_drag;
+
 /* What all sweeps of a step read. */
 typedef struct hc_sweep {
   float scale[3];     /* 1 / support radius of one unit along each axis */
@@ -87,13 +91,15 @@ typedef struct hc_sweep {
   float flat_wall; /* MIRRORED: the density share of a flat wall a spacing away, where it goes with the
                       square; 0: where it is the sum */
   hc_particles *fluid;
-  hc_particles *boundary;           /* walls that stand still; behind their records those of moving ones.
-                                       place.scalar is V_b, or what the boundary method makes of it; motion the velocity
-                                       and the wall's number */
-  const hc_neighbors *list;         /* fluid -> fluid */
-  const hc_neighbors *walls;        /* fluid -> boundary, all of it */
-  bool walls_move;                  /* has any boundary particle a velocity? */
-  bool no_slip;                     /* do walls hold the fluid in laminar sweeps? */
+  hc_particles *boundary;    /* walls that stand still; behind their records those of moving ones.
+                                place.scalar is V_b, or what the boundary method makes of it; motion the velocity
+                                and the wall's number */
+  const hc_neighbors *list;  /* fluid -> fluid */
+  const hc_neighbors *walls; /* fluid -> boundary, all of it */
+  bool walls_move;           /* has any boundary particle a velocity? */
+  bool no_slip;              /* do walls hold the fluid in laminar sweeps? */
+  hc_wall_drag drag;         /* for what walls feel of it */
+  double drag_coefficient;
   const hc_wall_friction *friction; /* of each wall, by its number; null: no wall has any */
   bool friction_differs;            /* from wall to wall */
   const hc_touches *touches;        /* of the last step; may be null */

@@ -386,9 +386,63 @@ def weak(case, _steps):
     return "; ".join(told)
 
 
+def collision(case, _steps):
+    """Individual steps beside the global one where a ball hits a block in free space: as compressed, as much energy left, and next
+    to no momentum made."""
+    told, found = [], {}
+    for name, control in {"global": ("time_step.control=global",), "powers of two": (), "raw": ("time_step.steps=raw",)}.items():
+        output = case.run("tests/cases/collision.yaml", name.replace(" ", "_"), 2, control)
+        rows, (first, *_, last) = c.steps(output), [read(path) for path in c.snapshots(output)]
+        made = np.abs((last["velocity"] - first["velocity"]).sum(axis=0)).max() / np.linalg.norm(first["velocity"], axis=1).sum()
+        found[name] = [max(float(row["density_error_max"]) for row in rows), float(rows[-1]["kinetic_energy"]), made]
+        told.append(f"{name}: off by {100 * found[name][0]:.2f} % at most, {found[name][1]:.2f} J left, momentum {made:.1e}")
+    compressed, energy, made = found["global"]
+    c.expect(made < 1e-7, told[0])
+    for k, name in enumerate(("powers of two", "raw"), 1):
+        ours = found[name]
+        c.expect(ours[0] < 1.2 * compressed and abs(ours[1] / energy - 1) < 0.01 and ours[2] < 2e-3, told[k])
+    return "; ".join(told)
+
+
+ARTIFICIAL = ("fluid.viscosity.model=artificial", "fluid.viscosity.coefficient=0.1")
+LAMINAR = ("fluid.viscosity.model=laminar", "fluid.viscosity.coefficient=0.01")
+BALANCES = {  # settings, and how far the impulse may be off, of the weight's
+    "dfsph": ((), 0.002),
+    "dfsph, artificial": (ARTIFICIAL, 0.01),
+    "dfsph, laminar": (LAMINAR, 0.01),
+    "pcisph, artificial": (("solver.method=pcisph", "boundary.method=akinci2012", *ARTIFICIAL), 0.002),
+    "pcisph, frozen walls, laminar": (("solver.method=pcisph", *LAMINAR), 0.01),
+    "wcsph, artificial": (("solver.method=wcsph", "time_step.control=global", *ARTIFICIAL), 0.002),
+    "wcsph, laminar": (("solver.method=wcsph", "time_step.control=global", *LAMINAR), 0.002),
+    "wcsph, individual": (("solver.method=wcsph", *ARTIFICIAL), 0.08),  # it is shown the ends of blocks only
+}
+
+
+def balance(case, _steps):
+    """The impulse of all walls and of gravity is the change of momentum, over each tenth of a second, with every viscosity that acts
+    at walls."""
+    told = []
+    for name, (settings, bound) in BALANCES.items():
+        output = case.run("tests/cases/balance.yaml", name.replace(", ", "_").replace(" ", "_"), 2, settings)
+        moments = [read(path) for path in c.snapshots(output)]
+        with open(output / "gauges.csv", newline="", encoding="utf-8") as file:
+            rows = [[float(row["time"])] + [float(row[f"tank_f{axis}"]) + float(row[f"step_f{axis}"]) for axis in "xyz"] for row in csv.DictReader(file)]
+        rows = np.array(rows)
+        lasted = np.diff(rows[:, 0], prepend=0)
+        mass, worst = 1000 * 0.05**3, 0.0
+        for before, after in zip(moments, moments[1:]):
+            there = (rows[:, 0] > before["time"] + 1e-9) & (rows[:, 0] < after["time"] + 1e-9)
+            weight = mass * len(before["id"]) * 9.81 * (after["time"] - before["time"])
+            lost = mass * (before["velocity"].sum(axis=0) - after["velocity"].sum(axis=0)) - (0, 0, weight)
+            worst = max(worst, np.abs((rows[there, 1:] * lasted[there, None]).sum(axis=0) - lost).max() / weight)
+        told.append(f"{name} {worst:.1e}")
+        c.expect(worst < bound, f"{told[-1]} of the weight's impulse, expected < {bound}")
+    return "impulses off by, of the weight's: " + "; ".join(told)
+
+
 if __name__ == "__main__":
     c.main(__doc__, {"free_fall": free_fall, "hydrostatic": hydrostatic,
                      "hydrostatic_walled": hydrostatic_walled,
                      "hydrostatic_pcisph": hydrostatic_pcisph, "corner_pcisph": corner_pcisph, "taylor_green": taylor_green, "drops": drops, "channel": channel, "gauges": gauges,
                      "round_tank": round_tank,
-                     "dam_break": dam_break, "boxes": boxes, "swelling": swelling, "weak": weak})
+                     "dam_break": dam_break, "boxes": boxes, "swelling": swelling, "weak": weak, "collision": collision, "balance": balance})
