@@ -27,6 +27,7 @@ typedef struct hc_block {
   double fastest, strongest; /* m/s, m/s2: largest of particles as they became active, so far */
   double speed;              /* m/s: no particle goes on faster */
   double used;               /* m: by which particles may have moved since they were listed */
+  bool exact;                /* lists of all reach no margin: who is active later gets one of its own */
   bool relisted;             /* lists are not those of the block's beginning */
   bool ghosts_new;           /* they know nothing but their places and motions */
   hc_selection active;       /* in this sub-step, and the same as bits in world->chosen */
@@ -73,7 +74,7 @@ void hc_block_show_ghosts(const hc_block *block);
  * among partners. */
 void hc_block_tell_ghosts(hc_block *block);
 
-/* Ghosts that world->chosen names become active, as their owners have, and touched. Local. */
+/* Ghosts that world->chosen names become active, as their owners have. Local. */
 void hc_block_activate_ghosts(const hc_block *block);
 
 /* Densities and pressures of all own particles as they are now. Local. */

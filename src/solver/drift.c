@@ -105,8 +105,8 @@ void hc_block_touch(hc_block *b, bool all) {
   memset(chosen->touched, all ? 0xff : 0, bytes);
   for (int32_t i = 0; i < world->fluid->border && !all; i++) set(chosen->touched, i);
   for (int32_t row = b->active.begin; row < b->active.end && !all; row++) {
-    const int32_t i = b->active.index[row], count = hc_list_count(&world->list, i);
-    const uint32_t *const neighbors = hc_list_row(&world->list, i);
+    const int32_t i = b->active.index[row], count = hc_list_count(world->sweep.list, i);
+    const uint32_t *const neighbors = hc_list_row(world->sweep.list, i);
     set(chosen->touched, i);
     for (int32_t k = 0; k < count; k++) set(chosen->touched, (int32_t)(neighbors[k] / sizeof(hc_record)));
   }
@@ -175,10 +175,11 @@ static void place_ghosts(const hc_block *b) {
 }
 
 void hc_block_tell_ghosts(hc_block *b) {
-  const hc_field_set found = HC_WHOLE(force) | HC_WHOLE(last_density) | HC_WHOLE(density_rate);
+  const hc_field_set found =
+      HC_WHOLE(force) | HC_WHOLE(last_density) | HC_WHOLE(density_rate) | HC_WHOLE(schedule);
   hc_world *const world = b->world;
   if (b->ghosts_new) {
-    hc_halo_refresh(world->halo, found | HC_WHOLE(velocity) | HC_WHOLE(schedule));
+    hc_halo_refresh(world->halo, found | HC_WHOLE(velocity));
     place_ghosts(b);
   } else {
     hc_halo_begin_some(world->halo, found, world->chosen.bits);
@@ -189,12 +190,8 @@ void hc_block_tell_ghosts(hc_block *b) {
 
 void hc_block_activate_ghosts(const hc_block *b) {
   const hc_particles *const fluid = b->world->fluid;
-  const hc_chosen *const chosen = &b->world->chosen;
-  for (int32_t k = 0; k < fluid->ghosts; k++) {
-    if (!is_set(chosen->ghosts, k)) continue;
-    arrive(b, fluid->own + k);
-    set(chosen->touched, fluid->own + k);
-  }
+  for (int32_t k = 0; k < fluid->ghosts; k++)
+    if (is_set(b->world->chosen.ghosts, k)) arrive(b, fluid->own + k);
 }
 
 /* ---- all as they are now ---- */

@@ -31,10 +31,20 @@ static double speed_bound(const hc_individual_settings *individual, double h, do
   return fastest + individual->force * sqrt(h * strongest);
 }
 
-double hc_individual_reach(const hc_weak_settings *settings, const hc_individual_settings *individual,
-                           double speed, double force, double dt) {
+static double reach_for(const hc_weak_settings *settings, const hc_individual_settings *individual,
+                        double speed, double force, double dt) {
   static const double BOTH = 2.0, SPARE = 1.1; /* it becomes faster */
   return BOTH * SPARE * dt * speed_bound(individual, settings->support_radius, speed, force);
+}
+
+/* In a block of one longest step hardly anybody is active but at its beginning. */
+static bool is_exact(const hc_weak_settings *settings, const hc_individual_settings *individual, double dt) {
+  return individual->lasting && dt < 1.5 * settings->longest;
+}
+
+double hc_individual_reach(const hc_weak_settings *settings, const hc_individual_settings *individual,
+                           double speed, double force, double dt) {
+  return is_exact(settings, individual, dt) ? 0.0 : reach_for(settings, individual, speed, force, dt);
 }
 
 static void place_anew(hc_block *b) {
@@ -49,12 +59,14 @@ static void place_anew(hc_block *b) {
   hc_block_touch(b, true);
   hc_block_show_own(b);
   hc_world_reach(world,
-                 hc_individual_reach(b->settings, b->individual, b->speed, 0.0, (TICKS - b->now) * b->unit));
+                 b->exact ? 0.0
+                          : reach_for(b->settings, b->individual, b->speed, 0.0, (TICKS - b->now) * b->unit));
   hc_world_list(world, NULL);
   hc_wall_layer_list(world, b->settings->common.depth_pressure);
   b->ghosts_new = true;
   hc_block_tell_ghosts(b);
   hc_block_show_ghosts(b);
+  if (b->exact) hc_world_remember_places(world);
   world->holds.count = 0;
   b->relisted = true;
   b->used =
@@ -65,7 +77,8 @@ static void place_anew(hc_block *b) {
 
 /* Goes on to the next sub-step: who is active then, and all that they look at. Collective. */
 static void go_on(hc_block *b) {
-  const bool anew = !b->individual->lasting || b->used > 0.5 * b->world->margin;
+  const double margin = b->exact ? b->world->frame.margin : b->world->margin;
+  const bool anew = !b->individual->lasting || b->used > 0.5 * margin;
   hc_stopwatch_enter(&b->world->watch, HC_STAGE_STEPS);
   if (!anew) hc_block_tell_ghosts(b);
   b->now = b->next;
@@ -73,6 +86,7 @@ static void go_on(hc_block *b) {
     place_anew(b);
   } else {
     hc_block_activate(b);
+    if (b->exact) hc_world_list_some(b->world, b->active);
     hc_block_touch(b, false);
     hc_block_show_own(b);
     hc_block_show_ghosts(b);
@@ -168,18 +182,20 @@ static void take_over(const hc_block *b) {
   }
 }
 
-/* A particle asks those next to it not to have longer steps than its raw one: all of them when it is active,
- * else those that are. */
-static void ask(const hc_block *b, int32_t i) {
+/* An active particle asks those next to it not to have longer steps than its raw one, and is asked by those
+ * of them that are not active, if there are such `others`. */
+static void ask(const hc_block *b, int32_t i, bool others) {
+  const hc_neighbors *const list = b->world->sweep.list;
   float *const asked = b->world->chosen.asked;
   const float raw = hc_block_schedule(b, i)[HC_RAW];
-  if (!(raw < b->most)) return;
-  const bool active = hc_block_is_active(b, i);
-  const uint32_t *const neighbors = hc_list_row(&b->world->list, i);
-  const int32_t count = hc_list_count(&b->world->list, i);
+  const bool shorter = raw < b->most;
+  if (!shorter && !others) return;
+  const uint32_t *const neighbors = hc_list_row(list, i);
+  const int32_t count = hc_list_count(list, i);
   for (int32_t k = 0; k < count; k++) {
     const int32_t j = (int32_t)(neighbors[k] / sizeof(hc_record));
-    if (raw < asked[j] && (active || hc_block_is_active(b, j))) asked[j] = raw;
+    if (shorter && raw < asked[j]) asked[j] = raw;
+    if (others && !hc_block_is_active(b, j)) asked[i] = fminf(asked[i], hc_block_schedule(b, j)[HC_RAW]);
   }
 }
 
@@ -213,7 +229,8 @@ static void spread_steps(hc_block *b) {
   hc_chosen *const chosen = &world->chosen;
   hc_reserve((void **)&chosen->asked, &chosen->asked_room, (size_t)records + 1, 0, sizeof *chosen->asked);
   HC_FOR_TOUCHED(b, i, 0, records) chosen->asked[i] = FLT_MAX;
-  HC_FOR_TOUCHED(b, i, 0, own) ask(b, i);
+  for (int32_t row = b->active.begin; row < b->active.end; row++)
+    ask(b, b->active.index[row], b->substeps > 0);
   hc_halo_fold_least(world->halo, HC_TYPE_f32, 1, chosen->asked, chosen->touched);
   HC_FOR_TOUCHED(b, i, 0, own) heed(b, i);
   b->next = next_of_own(b);
@@ -288,6 +305,7 @@ static void start(hc_block *b) {
   hc_block_activate_all(b);
   b->ghosts_new = true;
   b->evaluated = b->active.end;
+  if (b->exact) hc_world_remember_places(b->world);
 }
 
 static int by_particle(const void *a, const void *b) {
@@ -318,6 +336,7 @@ static void merge_holds(hc_holds *holds) {
  * placed anew. */
 static void finish(hc_block *b) {
   hc_particles *const fluid = b->world->fluid;
+  hc_world_show_all(b->world);
   hc_block_fill_pressures(b);
   hc_block_activate(b);
   hc_block_show_walls(b);
@@ -350,6 +369,7 @@ hc_status hc_individual_advance(hc_world *world, const hc_weak_settings *setting
                 .report = report};
   const double h = world->frame.support_radius;
   for (int axis = 0; axis < 3; axis++) b.per_metre[axis] = 1.0 / world->frame.unit[axis];
+  b.exact = is_exact(settings, individual, dt);
   b.most = raw_ticks(&b, b.longest);
   b.calm_v2 = square(individual->velocity * h / b.longest);
   b.calm_a2 = square(square(individual->force / b.longest) * h);

@@ -6,6 +6,7 @@
  * have no face of their own and keep nothing. */
 #include "wall_force.h"
 
+#include "base/memory.h"
 #include "sph/kernel.h"
 #include "wall_layer.h"
 
@@ -14,10 +15,13 @@
 
 static const double ASIDE = 0.02; /* e: of a share, what goes along the wall */
 
-/* A particle and a sample: from the sample on, in support radii, and the scalars of the kernel. */
+/* A particle and a sample: from the sample on, in support radii; and what is found of the two. */
 typedef struct pair {
   int32_t b;
   double d[3], q;
+  double force[3],
+      aside[3]; /* of pressure, on the sample, N: what stays there, and what goes along its face */
+  double rubs;  /* share in friction */
 } pair;
 
 static pair make_pair(const hc_sweep *sweep, int32_t i, uint32_t offset) {
@@ -33,17 +37,30 @@ static double along(const float normal[3], const double v[3]) {
 
 /* ---- what a particle puts on walls ---- */
 
-/* N/D_0, where wall densities go with the square; see hc_sweep.flat_wall. */
-static void find_squared(const hc_sweep *sweep, int32_t i, double sum[3]) {
-  const uint32_t *const offset = hc_list_row(sweep->walls, i);
-  memset(sum, 0, 3 * sizeof *sum);
+/* A particle and its walls. */
+typedef struct pusher {
+  const hc_sweep *sweep;
+  int32_t i;
+  pair *pairs;
+  int32_t count;
+  double squared[3];    /* N/D_0, where wall densities go with the square; see hc_sweep.flat_wall */
+  const float *contact; /* null: none */
+  const hc_touch *touch;
+  bool any;    /* in front of no face: all samples share alike */
+  double l[3]; /* see above */
+  double rubs; /* sum of the shares in friction */
+} pusher;
+
+static void find_squared(pusher *p) {
+  const hc_sweep *const sweep = p->sweep;
+  memset(p->squared, 0, sizeof p->squared);
   if (sweep->flat_wall == 0.0f) return;
-  for (int32_t k = 0; k < hc_list_count(sweep->walls, i); k++) {
-    const pair pair = make_pair(sweep, i, offset[k]);
-    const hc_record *const n = &sweep->boundary->facing[pair.b];
-    const double weight = hc_kernel_shape(pair.q) * (double)sweep->kernel / (double)sweep->flat_wall *
-                          (double)sweep->boundary->place[pair.b].scalar * fabs((double)n->scalar);
-    for (int axis = 0; axis < 3; axis++) sum[axis] += weight * (double)n->v[axis];
+  for (int32_t k = 0; k < p->count; k++) {
+    const pair *const pair = &p->pairs[k];
+    const hc_record *const n = &sweep->boundary->facing[pair->b];
+    const double weight = hc_kernel_shape(pair->q) * (double)sweep->kernel / (double)sweep->flat_wall *
+                          (double)sweep->boundary->place[pair->b].scalar * fabs((double)n->scalar);
+    for (int axis = 0; axis < 3; axis++) p->squared[axis] += weight * (double)n->v[axis];
   }
 }
 
@@ -89,18 +106,17 @@ typedef struct dragger {
   bool frozen;
 } dragger;
 
-static double distance_from_walls(const hc_sweep *sweep, int32_t i) {
-  const uint32_t *const offset = hc_list_row(sweep->walls, i);
+static double distance_from_walls(const pusher *p) {
   double least = 1.0;
-  for (int32_t k = 0; k < hc_list_count(sweep->walls, i); k++) {
-    const pair pair = make_pair(sweep, i, offset[k]);
-    const double height = along(sweep->boundary->facing[pair.b].v, pair.d);
+  for (int32_t k = 0; k < p->count; k++) {
+    const double height = along(p->sweep->boundary->facing[p->pairs[k].b].v, p->pairs[k].d);
     if (height > 0.0 && height < least) least = height;
   }
-  return least - (double)sweep->wall_offset;
+  return least - (double)p->sweep->wall_offset;
 }
 
-static dragger find_dragger(const hc_sweep *sweep, int32_t i, double dt) {
+static dragger find_dragger(const pusher *p, double dt) {
+  const hc_sweep *const sweep = p->sweep;
   const hc_particles *const fluid = sweep->fluid;
   dragger g = {.factor = 0.0, .frozen = sweep->walls_add == HC_WALLS_PRESSURE};
   if (sweep->drag == HC_DRAG_NONE || (sweep->drag == HC_DRAG_LAMINAR && !sweep->no_slip)) return g;
@@ -110,14 +126,14 @@ static dragger find_dragger(const hc_sweep *sweep, int32_t i, double dt) {
              (double)sweep->gradient / (double)sweep->support;
   double square = 0.0;
   for (int axis = 0; axis < 3; axis++) {
-    const size_t at = 3 * (size_t)i + (size_t)axis;
+    const size_t at = 3 * (size_t)p->i + (size_t)axis;
     g.velocity[axis] = fluid->velocity[at] - dt * (double)fluid->acceleration[at];
     if (g.frozen) continue;
     g.normal[axis] = (double)fluid->wall_gradient[at];
     square += g.normal[axis] * g.normal[axis];
   }
   for (int axis = 0; axis < 3 && square > 0.0; axis++) g.normal[axis] /= sqrt(square);
-  if (g.frozen) g.distance = distance_from_walls(sweep, i);
+  if (g.frozen) g.distance = distance_from_walls(p);
   return g;
 }
 
@@ -157,29 +173,16 @@ static void drag_of(const hc_sweep *sweep, const dragger *g, const pair *pair, d
 static const float *contact_of(const hc_sweep *sweep, int32_t i, size_t *next) {
   if (sweep->contacts) return sweep->contacts[i].v;
   const hc_holds *const holds = sweep->holds;
-  if (!holds || *next == holds->count || holds->at[*next].particle != i) return NULL;
-  return holds->at[(*next)++].change;
+  while (holds && *next < holds->count && holds->at[*next].particle < i) ++*next;
+  return holds && *next < holds->count && holds->at[*next].particle == i ? holds->at[*next].change : NULL;
 }
 
 /* What friction and depth did beside the pressure; null: nothing. */
 static const hc_touch *touch_of(const hc_sweep *sweep, int32_t i, size_t *next) {
   const hc_touches *const touches = sweep->touches;
-  if (!touches || *next == touches->count || touches->at[*next].particle != i) return NULL;
-  return &touches->at[(*next)++];
+  while (touches && *next < touches->count && touches->at[*next].particle < i) ++*next;
+  return touches && *next < touches->count && touches->at[*next].particle == i ? &touches->at[*next] : NULL;
 }
-
-/* A particle and its walls. */
-typedef struct pusher {
-  const hc_sweep *sweep;
-  int32_t i;
-  double squared[3];
-  const float *contact; /* null: none */
-  const hc_touch *touch;
-  bool any;    /* in front of no face: all samples share alike */
-  double l[3]; /* see above */
-  double rubs; /* sum of the shares in friction */
-  dragger drag;
-} pusher;
 
 /* Is the sample of a face, with a normal? */
 static bool is_face(const hc_sweep *sweep, int32_t b) {
@@ -187,9 +190,10 @@ static bool is_face(const hc_sweep *sweep, int32_t b) {
   return facing->scalar == 1.0f && (facing->v[0] != 0.0f || facing->v[1] != 0.0f || facing->v[2] != 0.0f);
 }
 
-/* The force of a pair on its sample, N: what stays there; `aside`: what goes along the face. */
-static void pair_force(const pusher *p, const pair *pair, double force[3], double aside[3]) {
+/* The force of a pair on its sample. */
+static void pair_force(const pusher *p, pair *pair) {
   const hc_sweep *const sweep = p->sweep;
+  double *const force = pair->force, *const aside = pair->aside;
   const double factor = pair->q < 1.0 ? strength(sweep, p->i, pair, p->squared, p->touch) * sweep->volume *
                                             sweep->gradient * hc_kernel_slope_over_q(pair->q)
                                       : 0.0;
@@ -198,8 +202,8 @@ static void pair_force(const pusher *p, const pair *pair, double force[3], doubl
     aside[axis] = 0.0;
   }
   if (signbit(sweep->boundary->facing[pair->b].scalar)) { /* an inner edge: all of it belongs to the faces */
-    memcpy(aside, force, 3 * sizeof *aside);
-    memset(force, 0, 3 * sizeof *force);
+    memcpy(aside, force, sizeof pair->aside);
+    memset(force, 0, sizeof pair->force);
   }
   if (!is_face(sweep, pair->b)) return;
   const float *const n = sweep->boundary->facing[pair->b].v;
@@ -231,15 +235,14 @@ static void solve(const double m[6], const double b[3], double x[3]) {
 
 /* Finds l for T, from the samples around. */
 static bool find_sharing(pusher *p, const double aside[3]) {
-  const hc_sweep *const sweep = p->sweep;
-  const uint32_t *const offset = hc_list_row(sweep->walls, p->i);
   double m[6] = {0.0}, sum = 0.0;
-  for (int32_t k = 0; k < hc_list_count(sweep->walls, p->i); k++) {
-    const pair pair = make_pair(sweep, p->i, offset[k]);
-    const double weight = weight_of(p, &pair);
+  for (int32_t k = 0; k < p->count; k++) {
+    const pair *const pair = &p->pairs[k];
+    const double weight = weight_of(p, pair);
     if (!(weight > 0.0)) continue;
     double n[3] = {0.0, 0.0, 0.0};
-    for (int axis = 0; axis < 3 && !p->any; axis++) n[axis] = (double)sweep->boundary->facing[pair.b].v[axis];
+    for (int axis = 0; axis < 3 && !p->any; axis++)
+      n[axis] = (double)p->sweep->boundary->facing[pair->b].v[axis];
     sum += weight;
     for (int axis = 0; axis < 3; axis++) m[axis] += weight * (n[axis] * n[axis] + ASIDE);
     m[3] += weight * n[0] * n[1];
@@ -253,23 +256,22 @@ static bool find_sharing(pusher *p, const double aside[3]) {
   return true;
 }
 
-/* Looks at all pairs of the particle; false: it pushes nothing. */
+/* Looks at all pairs of the particle; false: its pressure, contact and friction push nothing. */
 static bool look_at_pairs(pusher *p, double dt) {
   const hc_sweep *const sweep = p->sweep;
   const double of_change = -(double)sweep->rest_density * sweep->volume / dt;
-  const uint32_t *const offset = hc_list_row(sweep->walls, p->i);
   double sum[3] = {0.0, 0.0, 0.0};
-  bool pushes = p->drag.factor != 0.0;
-  find_squared(sweep, p->i, p->squared);
+  bool pushes = false;
+  find_squared(p);
   for (int axis = 0; axis < 3 && p->contact; axis++) sum[axis] = of_change * (double)p->contact[axis];
-  for (int32_t k = 0; k < hc_list_count(sweep->walls, p->i); k++) {
-    const pair pair = make_pair(sweep, p->i, offset[k]);
-    double force[3], aside[3];
-    pair_force(p, &pair, force, aside);
-    p->rubs += p->touch ? hc_wall_layer_share(sweep, pair.d, pair.b) : 0.0;
+  for (int32_t k = 0; k < p->count; k++) {
+    pair *const pair = &p->pairs[k];
+    pair_force(p, pair);
+    pair->rubs = p->touch ? hc_wall_layer_share(sweep, pair->d, pair->b) : 0.0;
+    p->rubs += pair->rubs;
     for (int axis = 0; axis < 3; axis++) {
-      sum[axis] += aside[axis];
-      pushes |= force[axis] != 0.0;
+      sum[axis] += pair->aside[axis];
+      pushes |= pair->force[axis] != 0.0;
     }
   }
   if (sum[0] == 0.0 && sum[1] == 0.0 && sum[2] == 0.0) return pushes || p->touch;
@@ -285,47 +287,60 @@ double hc_wall_force_later(const hc_sweep *sweep, double dt) {
 }
 
 /* `back`: how long the particle has moved since it was where its record says, s. */
-static void share_out(const pusher *p, const hc_frame *frame, double back, double dt, hc_wall_push_taker take,
-                      void *context) {
+static void share_out(const pusher *p, const dragger *drag, const hc_frame *frame, double back, double dt,
+                      hc_wall_push_taker take, void *context) {
   const hc_sweep *const sweep = p->sweep;
   const hc_particles *const fluid = sweep->fluid;
-  const uint32_t *const offset = hc_list_row(sweep->walls, p->i);
   const size_t at = 3 * (size_t)p->i;
   const double of_rub = p->rubs > 0.0 ? -(double)sweep->rest_density * sweep->volume / dt / p->rubs : 0.0;
-  for (int32_t k = 0; k < hc_list_count(sweep->walls, p->i); k++) {
-    const pair pair = make_pair(sweep, p->i, offset[k]);
-    const float *const n = sweep->boundary->facing[pair.b].v;
-    const double weight = weight_of(p, &pair), push_along = p->any ? 0.0 : along(n, p->l),
-                 rub =
-                     of_rub > 0.0 || of_rub < 0.0 ? of_rub * hc_wall_layer_share(sweep, pair.d, pair.b) : 0.0;
-    hc_wall_push push = {.wall = (int)sweep->boundary->motion[pair.b].scalar};
-    double aside[3], drag[3];
-    pair_force(p, &pair, push.force, aside);
-    drag_of(sweep, &p->drag, &pair, drag);
+  for (int32_t k = 0; k < p->count; k++) {
+    const pair *const pair = &p->pairs[k];
+    const float *const n = sweep->boundary->facing[pair->b].v;
+    const double weight = weight_of(p, pair), push_along = p->any ? 0.0 : along(n, p->l),
+                 rub = of_rub * pair->rubs;
+    hc_wall_push push = {.wall = (int)sweep->boundary->motion[pair->b].scalar};
+    double dragged[3];
+    drag_of(sweep, drag, pair, dragged);
     for (int axis = 0; axis < 3; axis++) {
       push.at[axis] = hc_frame_to_metres(frame, axis, fluid->position[at + (size_t)axis]) -
                       back * fluid->velocity[at + (size_t)axis] -
-                      pair.d[axis] / sweep->scale[axis] * frame->unit[axis];
-      push.from[axis] = pair.d[axis] / sweep->scale[axis] * frame->unit[axis];
+                      pair->d[axis] / sweep->scale[axis] * frame->unit[axis];
+      push.from[axis] = pair->d[axis] / sweep->scale[axis] * frame->unit[axis];
+      push.force[axis] = pair->force[axis] + dragged[axis];
       if (weight > 0.0) push.force[axis] += weight * ((double)n[axis] * push_along + ASIDE * p->l[axis]);
-      push.force[axis] += drag[axis];
       if (rub != 0.0) push.force[axis] += rub * (double)p->touch->rub[axis];
     }
     if (push.force[0] != 0.0 || push.force[1] != 0.0 || push.force[2] != 0.0) take(context, &push);
   }
 }
 
-void hc_wall_force_each(const hc_sweep *sweep, const hc_frame *frame, double dt, hc_wall_push_taker take,
-                        void *context) {
+/* Is any wall near the particle one of those? */
+static bool any_wanted(const hc_sweep *sweep, int32_t i, const bool *wanted) {
+  const uint32_t *const offset = hc_list_row(sweep->walls, i);
+  const int32_t count = hc_list_count(sweep->walls, i);
+  bool any = false;
+  for (int32_t k = 0; k < count && !any; k++)
+    any = wanted[(int)sweep->boundary->motion[offset[k] / sizeof(hc_record)].scalar];
+  return any;
+}
+
+void hc_wall_force_each(const hc_sweep *sweep, const hc_frame *frame, double dt, const bool *wanted,
+                        hc_wall_push_taker take, void *context) {
   const double back = dt - hc_wall_force_later(sweep, dt);
-  size_t next_hold = 0, next_touch = 0;
+  size_t next_hold = 0, next_touch = 0, room = 0;
+  pair *pairs = NULL;
   for (int32_t i = 0; i < sweep->fluid->own; i++) {
-    if (hc_list_count(sweep->walls, i) == 0) continue;
+    if (!any_wanted(sweep, i, wanted)) continue;
     pusher p = {.sweep = sweep,
                 .i = i,
+                .count = hc_list_count(sweep->walls, i),
                 .contact = contact_of(sweep, i, &next_hold),
-                .touch = touch_of(sweep, i, &next_touch),
-                .drag = find_dragger(sweep, i, dt)};
-    if (look_at_pairs(&p, dt)) share_out(&p, frame, back, dt, take, context);
+                .touch = touch_of(sweep, i, &next_touch)};
+    hc_reserve((void **)&pairs, &room, (size_t)p.count, 0, sizeof *pairs);
+    p.pairs = pairs;
+    for (int32_t k = 0; k < p.count; k++) pairs[k] = make_pair(sweep, i, hc_list_row(sweep->walls, i)[k]);
+    const dragger drag = find_dragger(&p, dt);
+    if (look_at_pairs(&p, dt) || drag.factor != 0.0) share_out(&p, &drag, frame, back, dt, take, context);
   }
+  hc_free(pairs);
 }

@@ -31,6 +31,7 @@ void hc_neighbor_search_free(hc_neighbor_search *search) {
   hc_free(search->z);
   hc_free(search->offset);
   hc_free(search->adjacent);
+  hc_free(search->known);
   memset(search, 0, sizeof *search);
 }
 
@@ -43,15 +44,11 @@ static const hc_neighbor_loops *loops_of(hc_isa isa) {
   return hc_neighbor_loops_portable();
 }
 
-static void find_adjacent(hc_neighbor_search *search, const hc_cells *target,
-                          const hc_neighbor_source *sources, int source_count) {
-  const int32_t bricks = target->bricks.count;
+static void forget_adjacent(hc_neighbor_search *search, int32_t bricks, int source_count) {
   hc_reserve((void **)&search->adjacent, &search->adjacent_capacity, (size_t)bricks * (size_t)source_count, 0,
              sizeof *search->adjacent);
-  for (int s = 0; s < source_count; s++)
-    for (int32_t k = 0; k < bricks; k++)
-      hc_brick_set_around(&sources[s].cells->bricks, target->bricks.bricks[k],
-                          search->adjacent[s * bricks + k]);
+  hc_reserve((void **)&search->known, &search->known_capacity, (size_t)bricks, 0, 1);
+  memset(search->known, 0, (size_t)bricks);
 }
 
 /* Splits a cell coordinate in [-1, HC_BRICK_EDGE] into the neighbouring brick (0, 1, 2) and the cell in it.
@@ -87,11 +84,16 @@ static void make_room(hc_neighbor_search *search, int32_t count, int32_t keep) {
   search->candidate_capacity = capacity[0];
 }
 
-static bool any_adjacent(const window *window, int32_t brick) {
-  for (int s = 0; s < window->source_count; s++)
-    for (int way = 0; way < HC_ADJACENT; way++)
-      if (window->search->adjacent[s * window->bricks + brick][way] >= 0) return true;
-  return false;
+/* Finds the bricks around a target's, the first time; false if there is none. */
+static bool find_adjacent(const window *window, const hc_brick_set *targets, int32_t brick) {
+  enum { UNKNOWN, NONE, SOME };
+  char *const known = &window->search->known[brick];
+  bool any = false;
+  for (int s = 0; s < window->source_count && *known == UNKNOWN; s++)
+    any |= hc_brick_set_around(&window->sources[s].cells->bricks, targets->bricks[brick],
+                               window->search->adjacent[s * window->bricks + brick]);
+  if (*known == UNKNOWN) *known = any ? SOME : NONE;
+  return *known == SOME;
 }
 
 static void write_empty_rows(hc_neighbors *list, hc_selection rows, size_t used) {
@@ -242,7 +244,7 @@ void hc_neighbors_build(hc_neighbors *list, hc_neighbor_search *search, const hc
   HC_CHECK(records <= HC_RECORDS_MOST, "too many particles on one rank: %lld with ghosts",
            (long long)records);
   make_list_room(list, selection, same);
-  find_adjacent(search, target_cells, sources, source_count);
+  forget_adjacent(search, target_cells->bricks.count, source_count);
   window window = {.search = search,
                    .loops = loops_of(search->isa),
                    .sources = sources,
@@ -263,7 +265,7 @@ void hc_neighbors_build(hc_neighbors *list, hc_neighbor_search *search, const hc
       open = false;
       continue;
     }
-    if (brick != last_brick) any = any_adjacent(&window, brick);
+    if (brick != last_brick) any = find_adjacent(&window, &target_cells->bricks, brick);
     last_brick = brick;
     const bool crowded = count > HC_CELL_MOST;
     if (crowded && (list->crowded < 0 || target->id[first] < target->id[list->crowded]))
@@ -285,4 +287,16 @@ void hc_neighbors_build(hc_neighbors *list, hc_neighbor_search *search, const hc
   HC_CHECK(used <= UINT32_MAX, "neighbour list too long for one rank: %zu entries", used);
   list->row[selection.end] = (uint32_t)used;
   memset(list->offset + used, 0, 2 * HC_LIST_GROUP * sizeof *list->offset);
+}
+
+void hc_neighbors_spread(hc_neighbors *list, hc_selection selection, int32_t own) {
+  const size_t rows = (size_t)selection.end + 1;
+  hc_reserve((void **)&list->row, &list->row_capacity, (size_t)own + 1, rows, sizeof *list->row);
+  int32_t row = selection.end;
+  uint32_t next = list->row[row];
+  for (int32_t i = own; i >= 0; i--) { /* never before what is still to be read */
+    const bool selected = row > 0 && selection.index[row - 1] == i;
+    list->row[i] = selected ? list->row[--row] : next;
+    if (selected) next = list->row[i] & ~(uint32_t)(HC_LIST_GROUP - 1);
+  }
 }

@@ -61,7 +61,8 @@ typedef struct hc_neighbor_search {
   uint32_t *offset;
   size_t candidate_capacity;
   int32_t (*adjacent)[HC_ADJACENT]; /* per source and target brick: the source's bricks around it, or -1 */
-  size_t adjacent_capacity;
+  char *known;                      /* of which target bricks */
+  size_t adjacent_capacity, known_capacity;
 } hc_neighbor_search;
 
 void hc_neighbor_search_init(hc_neighbor_search *search, hc_isa isa);
@@ -82,6 +83,10 @@ typedef struct hc_neighbor_source {
 void hc_neighbors_build(hc_neighbors *list, hc_neighbor_search *search, const hc_cells *target_cells,
                         const hc_particles *target, hc_selection selection, const hc_neighbor_source *sources,
                         int source_count);
+
+/* Makes the list of a selection by an index one that has a row for each of `own` particles, at its number:
+ * those of others are empty. Local. */
+void hc_neighbors_spread(hc_neighbors *list, hc_selection selection, int32_t own);
 
 /* The loops that differ between instruction sets (neighbors_isa.c). */
 typedef struct hc_neighbor_loops {

@@ -39,6 +39,7 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
   hc_neighbor_search_init(&world->search, settings->isa);
   hc_neighbors_init(&world->list);
   hc_neighbors_init(&world->walls);
+  hc_neighbors_init(&world->some);
   world->sweeps = hc_sweeps_of(settings->isa);
   world->sweep =
       hc_sweep_make(&world->frame, settings->mass / settings->rest_density, settings->rest_density);
@@ -69,6 +70,7 @@ void hc_world_free(hc_world *world) {
   }
   hc_neighbors_free(&world->list);
   hc_neighbors_free(&world->walls);
+  hc_neighbors_free(&world->some);
   hc_free(world->contacts);
   hc_free(world->holds.at);
   hc_free(world->touches.at);
@@ -78,6 +80,7 @@ void hc_world_free(hc_world *world) {
   hc_free(world->chosen.touched);
   hc_free(world->chosen.asked);
   hc_free(world->chosen.before);
+  hc_free(world->chosen.placed);
   hc_free(world->friction);
   hc_neighbor_search_free(&world->search);
   hc_domain_free(&world->domain);
@@ -227,14 +230,44 @@ void hc_world_list(hc_world *world, const hc_selection *selection) {
   hc_halo_begin(&fluid->halo, HC_WHOLE(motion));
   hc_neighbors_build(&world->list, &world->search, &fluid->cells, world->fluid, selected,
                      &sources[HC_STORE_FLUID], 1);
+  const int32_t reach = world->search.reach;
+  world->search.reach = HC_CUT_EDGE;
   hc_neighbors_build(&world->walls, &world->search, &fluid->cells, world->fluid, selected,
                      &sources[HC_STORE_BOUNDARY], 2);
   for (int k = HC_STORE_BOUNDARY; k <= HC_STORE_MOVING && world->boundary_ops->walls == HC_WALLS_PRESSURE;
        k++)
     hc_neighbors_build(&stores[k].wetted, &world->search, &stores[k].cells, &stores[k].particles,
                        hc_select_all(&stores[k].particles), &sources[HC_STORE_FLUID], 1);
+  world->search.reach = reach;
   world->listed = selected;
+  hc_world_show_all(world);
   hc_halo_end(&fluid->halo);
+}
+
+void hc_world_remember_places(hc_world *world) {
+  const size_t records = (size_t)world->fluid->own + (size_t)world->fluid->ghosts + HC_SPARE;
+  hc_chosen *const chosen = &world->chosen;
+  hc_reserve((void **)&chosen->placed, &chosen->placed_room, records, 0, sizeof *chosen->placed);
+  memcpy(chosen->placed, world->fluid->place, records * sizeof *chosen->placed);
+}
+
+void hc_world_list_some(hc_world *world, hc_selection selection) {
+  hc_store *const fluid = &world->stores[HC_STORE_FLUID];
+  hc_record *const now = fluid->particles.place;
+  const int32_t reach = world->search.reach;
+  fluid->particles.place = world->chosen.placed;
+  world->search.reach = HC_CUT_EDGE;
+  selection.of_all = false;
+  hc_neighbors_build(&world->some, &world->search, &fluid->cells, world->fluid, selection,
+                     &(hc_neighbor_source){&fluid->cells, &fluid->particles}, 1);
+  hc_neighbors_spread(&world->some, selection, world->fluid->own);
+  world->search.reach = reach;
+  fluid->particles.place = now;
+  world->sweep.list = &world->some;
+}
+
+void hc_world_show_all(hc_world *world) {
+  world->sweep.list = &world->list;
 }
 
 void hc_world_update(hc_world *world) {

@@ -29,7 +29,8 @@ typedef struct hc_chosen {
   uint64_t *touched; /* of own particles and ghosts behind them: chosen, or next to those that are */
   float *asked;      /* of own particles and ghosts, or of own particles */
   double *before;    /* three for each chosen one */
-  size_t index_room, bits_room, ghosts_room, touched_room, asked_room, before_room;
+  hc_record *placed; /* the fluid's places, ghosts too, when they were remembered */
+  size_t placed_room, index_room, bits_room, ghosts_room, touched_room, asked_room, before_room;
 } hc_chosen;
 
 typedef struct hc_world {
@@ -42,6 +43,7 @@ typedef struct hc_world {
   hc_halo *halo;
   hc_neighbor_search search;
   hc_neighbors list, walls; /* fluid -> fluid, fluid -> boundary */
+  hc_neighbors some;        /* fluid -> fluid, of chosen particles */
   hc_selection listed;      /* the fluid particles that the lists are of */
   hc_record *contacts;      /* see hc_collision; room for contact_room, and as many velocities of walls */
   size_t contact_room;
@@ -105,9 +107,16 @@ void hc_world_place(hc_world *world);
  */
 void hc_world_reach(hc_world *world, double margin);
 
-/* The neighbour lists of selected fluid particles (null: all), and ghosts' motion. Behind hc_world_place.
- * Collective. */
+/* The neighbour lists of selected fluid particles (null: all), and ghosts' motion. Those of walls always
+ * reach as far as the frame allows. Behind hc_world_place. Collective. */
 void hc_world_list(hc_world *world, const hc_selection *selection);
+
+/* Remembers where the fluid is shown, ghosts too; and lists the neighbours that selected particles (by an
+ * index) had then, as far as the frame allows: sweeps see this list until they are shown that of all again,
+ * rows at the particles' numbers, those of others empty. Local. */
+void hc_world_remember_places(hc_world *world);
+void hc_world_list_some(hc_world *world, hc_selection selection);
+void hc_world_show_all(hc_world *world);
 
 /* Both, of all particles. Collective. */
 void hc_world_update(hc_world *world);
