@@ -17,9 +17,12 @@
  * at once; here it does when that particle is active. Walls that move go on in a block as they are at its
  * beginning.
  *
- * Lists are of all particles with a margin: cells are wider than the support. They hold until what particles
- * may have moved has used up half of it; then (or, without `lasting`, in every sub-step) particles are placed
- * and listed anew at their positions of that time, which nobody's activation hangs on.
+ * Cells are wider than the support by a margin. In a block of several of the longest steps lists are of all
+ * particles and reach as far as the block needs; in one of a single longest step, as in fast water, hardly
+ * anybody is active but at its beginning: there lists of all reach no margin, and who is active later gets
+ * one of its own, from where all were when they were placed. They hold until what particles may have moved
+ * has used up half of the margin; then (or, without `lasting`, in every sub-step) particles are placed and
+ * listed anew at their positions of that time, which nobody's activation hangs on.
  *
  * What a sub-step costs follows who is active: of the others those next to them are looked at (block.h), and
  * messages carry rows of active particles: their pressures, what they go on from when they were active, and,

@@ -184,6 +184,44 @@ START_TEST(a_list_may_be_built_anew) {
 }
 END_TEST
 
+/* Rows of a selection at their particles' numbers, for every n-th particle. */
+START_TEST(rows_may_be_spread) {
+  enum { COUNT = 700 };
+  static const double size[3] = {5, 5, 5};
+  static const int32_t strides[] = {1, 2, 7, 300, COUNT};
+  set cloud;
+  set_init(&cloud, HC_FLUID);
+  scatter(&cloud, 9, COUNT, size, nowhere, nowhere);
+  const hc_neighbor_source source = {&cloud.cells, &cloud.particles};
+  hc_neighbors all, some;
+  hc_neighbor_search search;
+  hc_neighbors_init(&all);
+  hc_neighbors_init(&some);
+  hc_neighbor_search_init(&search, hc_isa_best());
+  hc_neighbors_build(&all, &search, &cloud.cells, &cloud.particles, hc_select_all(&cloud.particles), &source,
+                     1);
+  for (size_t k = 0; k < sizeof strides / sizeof *strides; k++) {
+    int32_t index[COUNT], count = 0;
+    for (int32_t i = strides[k] - 1; i < COUNT; i += strides[k]) index[count++] = i;
+    const hc_selection selection = {index, 0, count, false};
+    hc_neighbors_build(&some, &search, &cloud.cells, &cloud.particles, selection, &source, 1);
+    hc_neighbors_spread(&some, selection, COUNT);
+    for (int32_t i = 0; i < COUNT; i++) {
+      const bool selected = (i + 1) % strides[k] == 0;
+      ck_assert_int_eq(hc_list_count(&some, i), selected ? hc_list_count(&all, i) : 0);
+      ck_assert_int_eq(hc_list_entries(&some, i), selected ? hc_list_entries(&all, i) : 0);
+      if (selected)
+        ck_assert_mem_eq(hc_list_row(&some, i), hc_list_row(&all, i),
+                         (size_t)hc_list_count(&all, i) * sizeof(uint32_t));
+    }
+  }
+  hc_neighbors_free(&all);
+  hc_neighbors_free(&some);
+  hc_neighbor_search_free(&search);
+  set_free(&cloud);
+}
+END_TEST
+
 int main(void) {
   Suite *const suite = suite_create("neighbors");
   TCase *const cases = tcase_create("lists");
@@ -196,6 +234,7 @@ int main(void) {
   tcase_add_test(cases, rows_may_be_long);
   tcase_add_test(cases, sets_may_be_empty);
   tcase_add_test(cases, a_list_may_be_built_anew);
+  tcase_add_test(cases, rows_may_be_spread);
   suite_add_tcase(suite, cases);
   SRunner *const runner = srunner_create(suite);
   srunner_run_all(runner, CK_NORMAL);
