@@ -37,8 +37,7 @@ static double reach_for(const hc_weak_settings *settings, const hc_individual_se
   return BOTH * SPARE * dt * speed_bound(individual, settings->support_radius, speed, force);
 }
 
-/* In a block of one longest step hardly anybody is active but at its beginning, if steps are powers of two.
- */
+/* In a block of one longest step few are active but at its beginning, if steps are powers of two. */
 static bool is_exact(const hc_weak_settings *settings, const hc_individual_settings *individual, double dt) {
   return individual->lasting && !individual->raw && dt < 1.5 * settings->longest;
 }

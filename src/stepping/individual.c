@@ -7,8 +7,8 @@ static double next(const hc_control *control, double dt_before, const hc_step_re
   *bound = HC_BOUND_SIZE;
   double step = settings->stable, dt;
   hc_time_step_shorten(&step, hc_time_step_viscous_bound(control->settings), HC_BOUND_VISCOUS, bound);
-  for (dt = step; 2.0 * dt <= control->settings->longest && 2.0 * dt * report->v_max <= settings->reach;)
-    dt *= 2.0;
+  const double most = step * (control->settings->longest / settings->stable);
+  for (dt = step; 2.0 * dt <= most && 2.0 * dt * report->v_max <= settings->reach;) dt *= 2.0;
   return dt;
 }
 

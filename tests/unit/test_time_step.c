@@ -341,6 +341,8 @@ START_TEST(blocks_are_longer_in_calm_water) {
   expect_of(control, 0, 1, moving(100, 0), HC_BOUND_SIZE, 0.001);
   settings.common.viscosity = 0.0625;
   expect_of(control, 0, 1, moving(0, 0), HC_BOUND_VISCOUS, 0.0032);
+  settings.common.viscosity = 1.25; /* four of its own, not as many as fit into those of sound */
+  expect_of(control, 0, 1, moving(0, 0), HC_BOUND_VISCOUS, 4 * 0.125 * 0.02 * 0.02 / 1.25);
   settings.common.viscosity = 0.125;
   expect_of(control, 0, 1, moving(100, 0), HC_BOUND_VISCOUS, 0.125 * 0.02 * 0.02 / 0.125);
 }
