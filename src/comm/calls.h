@@ -28,17 +28,15 @@ typedef struct hc_visit {
 hc_visit hc_calls_enter(const hc_comm *comm);
 void hc_calls_leave(hc_comm *comm, hc_visit since);
 
-enum { MOST_OF_A_PART = 1 << 30 }; /* bytes: under MPI's INT_MAX, whole cache lines */
-
 /* The length of the part that begins at byte `from` of `bytes`. */
 static inline int hc_calls_part(const hc_comm *comm, size_t bytes, size_t from) {
-  const size_t left = bytes - from, limit = comm->part_limit;
+  const size_t left = bytes - from, limit = hc_comm_part_limit(comm);
   return (int)(left < limit ? left : limit);
 }
 
 /* The number of parts behind the first. */
 static inline size_t hc_calls_further_parts(const hc_comm *comm, size_t bytes) {
-  return bytes == 0 ? 0 : (bytes - 1) / comm->part_limit;
+  return bytes == 0 ? 0 : (bytes - 1) / hc_comm_part_limit(comm);
 }
 
 /* A broadcast, and a message to a rank; wait until the data may change. */

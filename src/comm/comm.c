@@ -19,7 +19,6 @@ void hc_comm_set_part_limit(hc_comm *comm, size_t bytes) {
 }
 
 static void duplicate(hc_comm *comm, MPI_Comm given) {
-  comm->part_limit = MOST_OF_A_PART;
   CHECK_MPI(MPI_Comm_dup(given, &comm->mpi));
   CHECK_MPI(MPI_Comm_set_errhandler(comm->mpi, MPI_ERRORS_RETURN));
   CHECK_MPI(MPI_Comm_rank(comm->mpi, &comm->rank));

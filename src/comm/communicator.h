@@ -12,7 +12,7 @@ typedef struct hc_comm {
   int rank, size;
   bool owns_mpi;
   bool watches;                      /* see ending.h */
-  size_t part_limit;                 /* bytes, larger messages are sent in parts */
+  size_t part_limit;                 /* bytes, larger messages are sent in parts; 0: what MPI can count */
   int sparse_parity;                 /* alternates the tag of successive sparse exchanges */
   double wait_seconds;               /* time spent in this room since the start, for timings.json */
   double spent_seconds;              /* of it what the thread's own clock says, which stands still asleep */
@@ -22,6 +22,12 @@ typedef struct hc_comm {
   int64_t other_collectives;         /* broadcasts, gathers, prefix sums, barriers */
   int64_t gathered_bytes;            /* that gathers brought here, from all ranks */
 } hc_comm;
+
+enum { HC_MOST_OF_A_PART = 1 << 30 }; /* bytes: under MPI's INT_MAX, whole cache lines */
+
+static inline size_t hc_comm_part_limit(const hc_comm *comm) {
+  return comm->part_limit ? comm->part_limit : HC_MOST_OF_A_PART;
+}
 
 /* A message of a sparse exchange. `data` of received ones is freed by hc_messages_free. */
 typedef struct hc_message {

@@ -19,7 +19,7 @@ static void append(hc_message **list, int *count, size_t *capacity, hc_message m
 /* A message that fills its first part has its whole size and the parts that are left behind it, under another
  * tag, so that shorter ones are one message of MPI's. */
 static bool has_rest(const hc_comm *comm, size_t first_part) {
-  return first_part == comm->part_limit;
+  return first_part == hc_comm_part_limit(comm);
 }
 
 static void receive_rest(hc_comm *comm, int tag, hc_message *message) {

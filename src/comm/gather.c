@@ -44,7 +44,7 @@ void hc_comm_gather_all(hc_comm *comm, const void *mine, size_t bytes, void **al
   *total = 0;
   for (size_t rank = 0; rank < ranks; rank++) *total += (size_t)lengths[rank];
   *all = hc_alloc(*total, 1);
-  (*total <= comm->part_limit ? gather_all_small : gather_all_large)(comm, mine, lengths, *all);
+  (*total <= hc_comm_part_limit(comm) ? gather_all_small : gather_all_large)(comm, mine, lengths, *all);
   hc_free(lengths);
   count_gather(comm, *total + ranks * sizeof length);
   hc_calls_leave(comm, start);
@@ -96,7 +96,7 @@ static void gather_there(hc_comm *comm, const void *mine, size_t bytes, size_t s
 void hc_comm_gather(hc_comm *comm, const void *mine, size_t bytes, int root, void **all, size_t *total) {
   const hc_visit start = hc_calls_enter(comm);
   const size_t ranks = comm->rank == root ? (size_t)comm->size : 0;
-  const size_t share = comm->part_limit / (size_t)comm->size; /* who is over it knows it alone */
+  const size_t share = hc_comm_part_limit(comm) / (size_t)comm->size; /* who is over it knows it alone */
   int64_t *lengths = hc_alloc(ranks, sizeof *lengths);
   const int64_t length = (int64_t)bytes;
   CHECK_MPI(MPI_Gather(&length, 1, MPI_INT64_T, lengths, 1, MPI_INT64_T, root, comm->mpi));

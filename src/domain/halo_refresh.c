@@ -142,7 +142,7 @@ static char *pack_chosen(const hc_halo *halo, int partner, const column *columns
 
 /* What is sent of a message that may have `most` bytes: its receiver expects as many parts as that has. */
 static size_t bytes_to_send(const hc_halo *halo, size_t bytes, size_t most) {
-  return most > halo->domain->comm->part_limit ? most : bytes;
+  return most > hc_comm_part_limit(halo->domain->comm) ? most : bytes;
 }
 
 /* Room for messages of `bytes` each copy, and a bitmap for each partner, on both sides. */

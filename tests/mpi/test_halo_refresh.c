@@ -365,7 +365,7 @@ START_TEST(folds_bring_the_least_of_all_copies) {
 END_TEST
 
 START_TEST(folds_of_some_leave_the_others) {
-  const size_t limit = comm.part_limit;
+  const size_t limit = hc_comm_part_limit(&comm);
   for (int r = 0; r < REGIONS; r++) {
     placed p;
     placed_init(&p, &regions[r], r);
