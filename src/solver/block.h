@@ -7,12 +7,20 @@
 #ifndef HC_BLOCK_H
 #define HC_BLOCK_H
 
-#include "individual.h"
+#include "weak.h"
+
+typedef struct hc_individual_settings {
+  bool on;
+  bool raw;               /* steps as printed, not powers of two */
+  bool lasting;           /* lists last for several sub-steps */
+  double velocity, force; /* lambda_v, lambda_f of eq. 9 with the support radius */
+  double shortest;        /* s: no particle's step may be shorter */
+} hc_individual_settings;
 
 /* Of hc_particles.schedule, in ticks. */
 enum { HC_LAST, HC_DUE, HC_RAW, HC_SCHEDULE };
 
-typedef struct hc_block {
+typedef struct hc_individual_block {
   hc_world *world;
   const hc_weak_settings *settings;
   const hc_individual_settings *individual;
@@ -34,27 +42,27 @@ typedef struct hc_block {
   int64_t evaluated;         /* active particles so far, but those of the first sub-step */
   int substeps;
   hc_step_report *report;
-} hc_block;
+} hc_individual_block;
 
-static inline float *hc_block_schedule(const hc_block *block, int32_t i) {
+static inline float *hc_block_schedule(const hc_individual_block *block, int32_t i) {
   return &block->world->fluid->schedule[HC_SCHEDULE * (size_t)i];
 }
 
 /* All own particles and all ghosts are active, and touched. Local. */
-void hc_block_activate_all(hc_block *block);
+void hc_block_activate_all(hc_individual_block *block);
 
 /* Own particles that are due become active: they are chosen, shown, and go on from where they are now. Local.
  */
-void hc_block_activate(hc_block *block);
+void hc_block_activate(hc_individual_block *block);
 
 /* Touches active particles, what their lists name, and those that have copies; or, where these are many or
  * `all`, every one. Local. */
-void hc_block_touch(hc_block *block, bool all);
+void hc_block_touch(hc_individual_block *block, bool all);
 
-bool hc_block_is_active(const hc_block *block, int32_t i); /* ghosts behind own particles */
+bool hc_block_is_active(const hc_individual_block *block, int32_t i); /* ghosts behind own particles */
 
 /* The first touched one of particles [from, end), or end or more. */
-static inline int32_t hc_block_touched(const hc_block *block, int32_t from, int32_t end) {
+static inline int32_t hc_block_touched(const hc_individual_block *block, int32_t from, int32_t end) {
   const uint64_t *const touched = block->world->chosen.touched;
   while (from < end) {
     const uint64_t left = touched[from / 64] >> (from % 64);
@@ -67,24 +75,24 @@ static inline int32_t hc_block_touched(const hc_block *block, int32_t from, int3
   for (int32_t i = hc_block_touched(block, from, end); i < (end); i = hc_block_touched(block, i + 1, end))
 
 /* Shows touched particles that are not active; ghosts. Local. */
-void hc_block_show_own(const hc_block *block);
-void hc_block_show_ghosts(const hc_block *block);
+void hc_block_show_own(const hc_individual_block *block);
+void hc_block_show_ghosts(const hc_individual_block *block);
 
 /* Ghosts learn what their owners go on from: new ones all, others what was found of active ones. Collective
  * among partners. */
-void hc_block_tell_ghosts(hc_block *block);
+void hc_block_tell_ghosts(hc_individual_block *block);
 
 /* Ghosts that world->chosen names become active, as their owners have. Local. */
-void hc_block_activate_ghosts(const hc_block *block);
+void hc_block_activate_ghosts(const hc_individual_block *block);
 
 /* Densities and pressures of all own particles as they are now. Local. */
-void hc_block_fill_pressures(const hc_block *block);
+void hc_block_fill_pressures(const hc_individual_block *block);
 
 /* Positions of own particles become those of now, `to` 1, or again what they were, -1: both exactly. Local.
  */
-void hc_block_shift(const hc_block *block, int to);
+void hc_block_shift(const hc_individual_block *block, int to);
 
 /* Shows walls that move where they are now, as they would go on from the block's beginning. Local. */
-void hc_block_show_walls(hc_block *block);
+void hc_block_show_walls(hc_individual_block *block);
 
 #endif

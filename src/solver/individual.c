@@ -1,4 +1,4 @@
-#include "block.h"
+#include "individual.h"
 
 #include "wall_layer.h"
 
@@ -47,7 +47,7 @@ double hc_individual_reach(const hc_weak_settings *settings, const hc_individual
   return is_exact(settings, individual, dt) ? 0.0 : reach_for(settings, individual, speed, force, dt);
 }
 
-static void place_anew(hc_block *b) {
+static void place_anew(hc_individual_block *b) {
   hc_world *const world = b->world;
   hc_block_shift(b, 1);
   int64_t outside = hc_domain_watch_partners(&world->domain);
@@ -76,7 +76,7 @@ static void place_anew(hc_block *b) {
 /* ---- a sub-step: what active particles find ---- */
 
 /* Goes on to the next sub-step: who is active then, and all that they look at. Collective. */
-static void go_on(hc_block *b) {
+static void go_on(hc_individual_block *b) {
   const double margin = b->exact ? b->world->frame.margin : b->world->margin;
   const bool anew = !b->individual->lasting || b->used > 0.5 * margin;
   hc_stopwatch_enter(&b->world->watch, HC_STAGE_STEPS);
@@ -95,7 +95,7 @@ static void go_on(hc_block *b) {
 }
 
 /* Lines 3 to 11 of active particles. Collective. */
-static void evaluate(hc_block *b) {
+static void evaluate(hc_individual_block *b) {
   hc_world *const world = b->world;
   hc_chosen *const chosen = &world->chosen;
   hc_error_total unused;
@@ -125,7 +125,7 @@ static double square(double x) {
 }
 
 /* A step in ticks. */
-static float raw_ticks(const hc_block *b, double step) {
+static float raw_ticks(const hc_individual_block *b, double step) {
   const double ticks = step / b->unit;
   if (!(ticks < TICKS)) return (float)TICKS;
   if (ticks < 1.0) return 1.0f;
@@ -133,7 +133,7 @@ static float raw_ticks(const hc_block *b, double step) {
 }
 
 /* A raw step in ticks, of a particle that the longest is not short enough for. */
-static float short_step(const hc_block *b, int32_t i, double v2, double a2, hc_fault *fault) {
+static float short_step(const hc_individual_block *b, int32_t i, double v2, double a2, hc_fault *fault) {
   const double h = b->world->frame.support_radius, speed = sqrt(v2), force = sqrt(a2);
   double step = b->longest;
   if (!(speed < INFINITY && force < INFINITY)) { /* no number, too */
@@ -151,7 +151,7 @@ static float short_step(const hc_block *b, int32_t i, double v2, double a2, hc_f
   return raw_ticks(b, step);
 }
 
-static float raw_step(const hc_block *b, int32_t i, hc_fault *fault) {
+static float raw_step(const hc_individual_block *b, int32_t i, hc_fault *fault) {
   const hc_particles *const fluid = b->world->fluid;
   const double *const v = &fluid->velocity[3 * (size_t)i];
   const float *const a = &fluid->force[3 * (size_t)i];
@@ -162,14 +162,14 @@ static float raw_step(const hc_block *b, int32_t i, hc_fault *fault) {
 
 /* When a step of so many ticks is over that begins at `from`, or, in powers of two, whose rhythm is taken up.
  */
-static float end_of(const hc_block *b, double from, float step) {
+static float end_of(const hc_individual_block *b, double from, float step) {
   const int32_t ticks = (int32_t)step;
   const double end = b->individual->raw ? from + (double)step : (double)(((int32_t)b->now & -ticks) + ticks);
   return (float)(end < TICKS ? end : TICKS);
 }
 
 /* Active particles take over what was found, and their raw steps. */
-static void take_over(const hc_block *b) {
+static void take_over(const hc_individual_block *b) {
   hc_particles *const fluid = b->world->fluid;
   const float *const acceleration = hc_weak_accelerations_of(b->world);
   const float per_density = (float)(1.0 / b->settings->common.rest_density);
@@ -184,7 +184,7 @@ static void take_over(const hc_block *b) {
 
 /* An active particle asks those next to it not to have longer steps than its raw one, and is asked by those
  * of them that are not active, if there are such `others`. */
-static void ask(const hc_block *b, int32_t i, bool others) {
+static void ask(const hc_individual_block *b, int32_t i, bool others) {
   const hc_neighbors *const list = b->world->sweep.list;
   float *const asked = b->world->chosen.asked;
   const float raw = hc_block_schedule(b, i)[HC_RAW];
@@ -200,7 +200,7 @@ static void ask(const hc_block *b, int32_t i, bool others) {
 }
 
 /* Line 16: an active particle's step is no longer than what it is asked for; another one is woken in time. */
-static void heed(const hc_block *b, int32_t i) {
+static void heed(const hc_individual_block *b, int32_t i) {
   float *const schedule = hc_block_schedule(b, i);
   const float asked = b->world->chosen.asked[i];
   const bool active = (double)schedule[HC_LAST] == b->now;
@@ -211,7 +211,7 @@ static void heed(const hc_block *b, int32_t i) {
 
 /* The next sub-step, as far as own particles say: when the first is due, or, in raw steps, when the shortest
  * of all steps is over. */
-static double next_of_own(const hc_block *b) {
+static double next_of_own(const hc_individual_block *b) {
   const bool raw = b->individual->raw;
   float soonest = (float)TICKS;
   for (int32_t i = 0; i < b->world->fluid->own; i++) {
@@ -223,7 +223,7 @@ static double next_of_own(const hc_block *b) {
 }
 
 /* Gives active particles their steps and shortens those of others next to them. Collective among partners. */
-static void spread_steps(hc_block *b) {
+static void spread_steps(hc_individual_block *b) {
   hc_world *const world = b->world;
   const int32_t own = world->fluid->own, records = own + world->fluid->ghosts;
   hc_chosen *const chosen = &world->chosen;
@@ -237,7 +237,7 @@ static void spread_steps(hc_block *b) {
 }
 
 /* Contact with walls over each one's own step: what it changes velocities by becomes part of the forces. */
-static void hold(hc_block *b) {
+static void hold(hc_individual_block *b) {
   hc_world *const world = b->world;
   hc_particles *const fluid = world->fluid;
   hc_chosen *const chosen = &world->chosen;
@@ -273,7 +273,7 @@ static void hold(hc_block *b) {
 /* ---- the block ---- */
 
 /* What was found of active particles: lines 12 to 17. Collective. */
-static void plan(hc_block *b) {
+static void plan(hc_individual_block *b) {
   hc_world *const world = b->world;
   hc_stopwatch_enter(&world->watch, HC_STAGE_STEPS);
   take_over(b);
@@ -292,7 +292,7 @@ static void plan(hc_block *b) {
   b->used += (b->next - b->now) * b->unit * b->speed;
 }
 
-static void start(hc_block *b) {
+static void start(hc_individual_block *b) {
   hc_particles *const fluid = b->world->fluid;
   for (int32_t i = 0; i < fluid->own; i++) {
     float *const schedule = hc_block_schedule(b, i);
@@ -334,7 +334,7 @@ static void merge_holds(hc_holds *holds) {
 /* All particles as they are at the end: in place, and their velocities. What hc_move takes for the velocity
  * of the beginning makes their last forces their accelerations: that of the beginning is lost when they are
  * placed anew. */
-static void finish(hc_block *b) {
+static void finish(hc_individual_block *b) {
   hc_particles *const fluid = b->world->fluid;
   hc_world_show_all(b->world);
   hc_block_fill_pressures(b);
@@ -359,14 +359,14 @@ static void finish(hc_block *b) {
 hc_status hc_individual_advance(hc_world *world, const hc_weak_settings *settings,
                                 const hc_individual_settings *individual, double dt, hc_step_report *report,
                                 hc_error *error) {
-  hc_block b = {.world = world,
-                .settings = settings,
-                .individual = individual,
-                .unit = dt / TICKS,
-                .longest = fmin(dt, settings->longest),
-                .fastest = report->v_max,
-                .strongest = report->force_max,
-                .report = report};
+  hc_individual_block b = {.world = world,
+                           .settings = settings,
+                           .individual = individual,
+                           .unit = dt / TICKS,
+                           .longest = fmin(dt, settings->longest),
+                           .fastest = report->v_max,
+                           .strongest = report->force_max,
+                           .report = report};
   const double h = world->frame.support_radius;
   for (int axis = 0; axis < 3; axis++) b.per_metre[axis] = 1.0 / world->frame.unit[axis];
   b.exact = is_exact(settings, individual, dt);

@@ -30,15 +30,7 @@
 #ifndef HC_INDIVIDUAL_H
 #define HC_INDIVIDUAL_H
 
-#include "weak.h"
-
-typedef struct hc_individual_settings {
-  bool on;
-  bool raw;               /* steps as printed, not powers of two */
-  bool lasting;           /* lists last for several sub-steps */
-  double velocity, force; /* lambda_v, lambda_f of eq. 9 with the support radius */
-  double shortest;        /* s: no particle's step may be shorter */
-} hc_individual_settings;
+#include "block.h"
 
 /* How far lists must reach beyond the support for a block of dt, m, by the largest speed and acceleration
  * before it: pairs may come nearer from both sides. */

@@ -6,16 +6,16 @@
 #include <string.h>
 
 /* Seconds since a particle was active. */
-static double age(const hc_block *b, int32_t i) {
+static double age(const hc_individual_block *b, int32_t i) {
   return (b->now - (double)hc_block_schedule(b, i)[HC_LAST]) * b->unit;
 }
 
-static float relative_density(const hc_block *b, int32_t i, double t) {
+static float relative_density(const hc_individual_block *b, int32_t i, double t) {
   return b->world->fluid->last_density[i] + (float)t * b->world->fluid->density_rate[i];
 }
 
 /* Velocity and way since it was active, units. */
-static void go_on(const hc_block *b, int32_t i, double t, double velocity[3], int64_t way[3]) {
+static void go_on(const hc_individual_block *b, int32_t i, double t, double velocity[3], int64_t way[3]) {
   const hc_particles *const fluid = b->world->fluid;
   for (int axis = 0; axis < 3; axis++) {
     velocity[axis] = fluid->velocity[3 * (size_t)i + (size_t)axis] +
@@ -30,7 +30,7 @@ static size_t words_of(int32_t count) {
   return (size_t)count / 64 + 1;
 }
 
-static void clear_chosen(hc_block *b) {
+static void clear_chosen(hc_individual_block *b) {
   const int32_t own = b->world->fluid->own;
   hc_chosen *const chosen = &b->world->chosen;
   hc_reserve((void **)&chosen->index, &chosen->index_room, (size_t)own + 1, 0, sizeof *chosen->index);
@@ -48,18 +48,18 @@ static bool is_set(const uint64_t *bits, int32_t i) {
   return bits[i / 64] >> (i % 64) & 1;
 }
 
-static void choose(const hc_block *b, int32_t i, int32_t *count) {
+static void choose(const hc_individual_block *b, int32_t i, int32_t *count) {
   b->world->chosen.index[(*count)++] = i;
   set(b->world->chosen.bits, i);
 }
 
-bool hc_block_is_active(const hc_block *b, int32_t i) {
+bool hc_block_is_active(const hc_individual_block *b, int32_t i) {
   const int32_t own = b->world->fluid->own;
   return i < own ? is_set(b->world->chosen.bits, i) : is_set(b->world->chosen.ghosts, i - own);
 }
 
 /* Goes on to now, and from there; returns the square of the speed. */
-static double arrive(const hc_block *b, int32_t i) {
+static double arrive(const hc_individual_block *b, int32_t i) {
   hc_particles *const fluid = b->world->fluid;
   double velocity[3], square = 0.0;
   int64_t way[3];
@@ -74,7 +74,7 @@ static double arrive(const hc_block *b, int32_t i) {
   return square;
 }
 
-void hc_block_activate(hc_block *b) {
+void hc_block_activate(hc_individual_block *b) {
   hc_particles *const fluid = b->world->fluid;
   double v2_max = 0.0;
   int32_t count = 0;
@@ -94,7 +94,7 @@ void hc_block_activate(hc_block *b) {
   b->fastest = fmax(b->fastest, sqrt(v2_max));
 }
 
-void hc_block_touch(hc_block *b, bool all) {
+void hc_block_touch(hc_individual_block *b, bool all) {
   static const int32_t FEW = 8; /* to mark 40 neighbours costs as much as to show some particles */
   const hc_world *const world = b->world;
   const int32_t records = world->fluid->own + world->fluid->ghosts;
@@ -112,7 +112,7 @@ void hc_block_touch(hc_block *b, bool all) {
   }
 }
 
-void hc_block_activate_all(hc_block *b) {
+void hc_block_activate_all(hc_individual_block *b) {
   int32_t count = 0;
   clear_chosen(b);
   for (int32_t i = 0; i < b->world->fluid->own; i++) choose(b, i, &count);
@@ -123,7 +123,7 @@ void hc_block_activate_all(hc_block *b) {
 
 /* ---- what sweeps see ---- */
 
-static void show(const hc_block *b, int32_t i) {
+static void show(const hc_individual_block *b, int32_t i) {
   hc_particles *const fluid = b->world->fluid;
   hc_record *const place = &fluid->place[i], *const motion = &fluid->motion[i];
   const double t = age(b, i);
@@ -138,17 +138,17 @@ static void show(const hc_block *b, int32_t i) {
   place->scalar = hc_tait_push(hc_tait_pressure(&b->settings->tait, relative), relative);
 }
 
-void hc_block_show_own(const hc_block *b) {
+void hc_block_show_own(const hc_individual_block *b) {
   const int32_t own = b->world->fluid->own;
   HC_FOR_TOUCHED(b, i, 0, own) if (!is_set(b->world->chosen.bits, i)) show(b, i);
 }
 
-void hc_block_show_ghosts(const hc_block *b) {
+void hc_block_show_ghosts(const hc_individual_block *b) {
   const hc_particles *const fluid = b->world->fluid;
   HC_FOR_TOUCHED(b, i, fluid->own, fluid->own + fluid->ghosts) show(b, i);
 }
 
-void hc_block_show_walls(hc_block *b) {
+void hc_block_show_walls(hc_individual_block *b) {
   hc_particles *const walls = b->world->moving;
   const double before = b->walls_shown * b->unit, now = b->now * b->unit;
   for (int32_t k = 0; k < walls->own + walls->ghosts; k++)
@@ -163,7 +163,7 @@ void hc_block_show_walls(hc_block *b) {
 /* ---- ghosts ---- */
 
 /* They are where they are shown: their low words are all of a position that is used. */
-static void place_ghosts(const hc_block *b) {
+static void place_ghosts(const hc_individual_block *b) {
   hc_particles *const fluid = b->world->fluid;
   for (int32_t i = fluid->own; i < fluid->own + fluid->ghosts; i++) {
     double velocity[3];
@@ -174,7 +174,7 @@ static void place_ghosts(const hc_block *b) {
   }
 }
 
-void hc_block_tell_ghosts(hc_block *b) {
+void hc_block_tell_ghosts(hc_individual_block *b) {
   const hc_field_set found =
       HC_WHOLE(force) | HC_WHOLE(last_density) | HC_WHOLE(density_rate) | HC_WHOLE(schedule);
   hc_world *const world = b->world;
@@ -188,7 +188,7 @@ void hc_block_tell_ghosts(hc_block *b) {
   b->ghosts_new = false;
 }
 
-void hc_block_activate_ghosts(const hc_block *b) {
+void hc_block_activate_ghosts(const hc_individual_block *b) {
   const hc_particles *const fluid = b->world->fluid;
   for (int32_t k = 0; k < fluid->ghosts; k++)
     if (is_set(b->world->chosen.ghosts, k)) arrive(b, fluid->own + k);
@@ -196,7 +196,7 @@ void hc_block_activate_ghosts(const hc_block *b) {
 
 /* ---- all as they are now ---- */
 
-void hc_block_fill_pressures(const hc_block *b) {
+void hc_block_fill_pressures(const hc_individual_block *b) {
   hc_particles *const fluid = b->world->fluid;
   const float rest = (float)b->settings->common.rest_density;
   for (int32_t i = 0; i < fluid->own; i++) {
@@ -206,7 +206,7 @@ void hc_block_fill_pressures(const hc_block *b) {
   }
 }
 
-void hc_block_shift(const hc_block *b, int to) {
+void hc_block_shift(const hc_individual_block *b, int to) {
   hc_particles *const fluid = b->world->fluid;
   for (int32_t i = 0; i < fluid->own; i++) {
     double velocity[3];
