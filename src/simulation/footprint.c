@@ -7,9 +7,9 @@
 #include <math.h>
 
 enum {
-  SORT = 12,  /* the sort's work space, which forces use too */
-  CHOSEN = 8, /* who is active, and what is asked of each */
-  ROW = 4,    /* where a list's row begins */
+  SORT = 12,   /* the sort's work space, which forces use too */
+  CHOSEN = 28, /* who is active, what is asked of each, where all were, and rows of lists of some */
+  ROW = 4,     /* where a list's row begins */
   ENTRIES =
       17,    /* bytes of a row's entries, times the cube of the support radius in spacings: fluid at rest */
   CELLS = 4, /* bytes of a brick's tables for a particle of fluid, where eight fill a cell, */
