@@ -74,9 +74,9 @@ void hc_halo_end_some(hc_halo *halo, uint64_t *selected);
 
 /* Takes ghosts' values back to their owners: each own particle gets the least of its own and those of its
  * copies, component by component, which is the same in any order. `values` has `components` plain numbers (no
- * records) for each own particle and each ghost; only ghosts whose bit is set in `chosen` (as above, ghosts
- * behind own particles; null: all) go back. Ghosts keep theirs; refresh them if they must know. Collective
- * among partners. */
+ * records) for each own particle and each ghost; only those of ghosts whose bit is set in `chosen` (as above,
+ * ghosts behind own particles) go back. Ghosts keep theirs; refresh them if they must know. Collective among
+ * partners. */
 void hc_halo_fold_least(hc_halo *halo, hc_field_type type, int components, void *values,
                         const uint64_t *chosen);
 

@@ -1,4 +1,5 @@
 /* Refreshes and folds over the partners that hc_halo_build has found. */
+#include "base/bits.h"
 #include "base/check.h"
 #include "base/memory.h"
 #include "halo.h"
@@ -99,13 +100,9 @@ static char *pack_column(const hc_halo *halo, int partner, const column *column,
   return to;
 }
 
-/* The bitmap of a message, and its size. */
+/* The size of a message's bitmap. */
 static size_t bitmap_bytes(int32_t count) {
   return ((size_t)count + 63) / 64 * sizeof(uint64_t);
-}
-
-static bool is_set(const uint64_t *bits, int32_t k) {
-  return bits[k / 64] >> (k % 64) & 1;
 }
 
 /* The chosen rows of a partner's message, behind their bitmap: row by row. */
@@ -122,8 +119,8 @@ static char *pack_chosen(const hc_halo *halo, int partner, const column *columns
     rows_of(halo, &halo->cells[k], &begin, &count);
     hc_halo_shift(halo, &halo->cells[k], shift);
     for (int32_t i = begin; i < begin + count; i++, copy++) {
-      if (!is_set(halo->chosen, i)) continue;
-      bitmap[copy / 64] |= (uint64_t)1 << (copy % 64);
+      if (!hc_bits_have(halo->chosen, i)) continue;
+      hc_bits_add(bitmap, copy);
       for (int c = 0; c < column_count; c++) {
         hc_record moved;
         if (columns[c].place) {
@@ -253,8 +250,8 @@ void hc_halo_end_some(hc_halo *halo, uint64_t *selected) {
     const int32_t begin = halo->ghost_begin[m], ghosts = halo->ghost_begin[m + 1] - begin;
     const char *from = (const char *)halo->receive[m].data + bitmap_bytes(ghosts);
     for (int32_t k = 0; k < ghosts; k++) {
-      if (!is_set(bitmap, k)) continue;
-      if (selected) selected[(begin + k) / 64] |= (uint64_t)1 << ((begin + k) % 64);
+      if (!hc_bits_have(bitmap, k)) continue;
+      if (selected) hc_bits_add(selected, begin + k);
       for (int c = 0; c < count; c++)
         from = unpack_rows(from, &columns[c], halo->particles->own + begin + k, 1);
     }
@@ -294,41 +291,36 @@ static size_t size_of(hc_field_type type) {
   return sizes[type];
 }
 
-/* The rows of a message that `chosen` names, behind their bitmap; `chosen` knows the first as `begin`. */
-static char *pack_rows_of(const column *column, int32_t begin, int32_t count, const uint64_t *chosen,
-                          char *to) {
+/* The rows from `begin` on that `chosen` names, behind their bitmap. */
+static char *pack_back(const column *column, int32_t begin, int32_t count, const uint64_t *chosen, char *to) {
   uint64_t *bitmap = (uint64_t *)(void *)to;
   memset(bitmap, 0, bitmap_bytes(count));
   to += bitmap_bytes(count);
   for (int32_t k = 0; k < count; k++) {
-    if (!is_set(chosen, begin + k)) continue;
-    bitmap[k / 64] |= (uint64_t)1 << (k % 64);
+    if (!hc_bits_have(chosen, begin + k)) continue;
+    hc_bits_add(bitmap, k);
     to = pack_rows(to, column, begin + k, 1);
   }
   return to;
 }
 
-/* The messages of a refresh, the other way round: of chosen ghosts, or of all. */
+/* The messages of a refresh of a selection, the other way round. */
 static void send_back(hc_halo *halo, const column *column, const uint64_t *chosen) {
-  make_buffers(halo, column->bytes, chosen != NULL);
-  expect_messages(halo, column->bytes, chosen != NULL);
+  make_buffers(halo, column->bytes, true);
+  expect_messages(halo, column->bytes, true);
   char *to = halo->send_buffer;
   for (int partner = 0; partner < halo->send_count; partner++) {
+    const size_t most = (size_t)halo->copies[partner] * column->bytes + bitmap_bytes(halo->copies[partner]);
     halo->send[partner].data = to;
-    halo->send[partner].bytes =
-        (size_t)halo->copies[partner] * column->bytes + (chosen ? bitmap_bytes(halo->copies[partner]) : 0);
-    to += chosen ? aligned(halo->send[partner].bytes) : halo->send[partner].bytes;
+    halo->send[partner].bytes = most;
+    to += aligned(most);
   }
   for (int m = 0; m < halo->receive_count; m++) {
-    const int32_t begin = halo->particles->own + halo->ghost_begin[m],
-                  count = halo->ghost_begin[m + 1] - halo->ghost_begin[m];
-    char *const data = halo->receive[m].data;
-    if (!chosen) {
-      pack_rows(data, column, begin, count);
-      continue;
-    }
-    const char *end = pack_rows_of(column, begin, count, chosen, data);
-    halo->receive[m].bytes = bytes_to_send(halo, (size_t)(end - data), halo->receive[m].bytes);
+    hc_message *const message = &halo->receive[m];
+    char *const data = message->data, *const end = pack_back(
+                                          column, halo->particles->own + halo->ghost_begin[m],
+                                          halo->ghost_begin[m + 1] - halo->ghost_begin[m], chosen, data);
+    message->bytes = bytes_to_send(halo, (size_t)(end - data), message->bytes);
   }
   halo->exchange = (hc_exchange){
       halo->receive_count, halo->send_count, halo->receive, halo->send, halo->requests, NULL, 0};
@@ -338,20 +330,19 @@ static void send_back(hc_halo *halo, const column *column, const uint64_t *chose
 
 void hc_halo_fold_least(hc_halo *halo, hc_field_type type, int components, void *values,
                         const uint64_t *chosen) {
-  HC_CHECK(!halo->fields, "one exchange at a time");
+  HC_CHECK(!halo->fields && chosen, "one exchange at a time, of a selection");
   HC_CHECK(type != HC_TYPE_record, "only plain numbers can be folded");
   const size_t bytes = (size_t)components * size_of(type);
   send_back(halo, &(column){values, bytes, bytes, false}, chosen);
   for (int partner = 0; partner < halo->send_count; partner++) {
     const uint64_t *const bitmap = halo->send[partner].data;
-    const char *from = halo->send[partner].data;
-    if (chosen) from += bitmap_bytes(halo->copies[partner]);
+    const char *from = (const char *)halo->send[partner].data + bitmap_bytes(halo->copies[partner]);
     int32_t copy = 0;
     for (int32_t k = halo->send_begin[partner]; k < halo->send_begin[partner + 1]; k++) {
       int32_t begin, count;
       rows_of(halo, &halo->cells[k], &begin, &count);
       for (int32_t i = begin; i < begin + count; i++, copy++) {
-        if (chosen && !is_set(bitmap, copy)) continue;
+        if (!hc_bits_have(bitmap, copy)) continue;
         take_least(type, components, (char *)values + bytes * (size_t)i, from);
         from += bytes;
       }

@@ -173,7 +173,7 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
   simulation->solver_settings = hc_setup_solver_settings(scene);
   const double ratio = scene->particle_spacing / scene->support_radius, h = frame.support_radius;
   const double volume_factor = hc_settings_wall_factor(scene);
-  hc_world_settings settings = {
+  const hc_world_settings settings = {
       .frame = frame,
       .rest_density = scene->fluid.rest_density,
       .mass =
@@ -186,10 +186,10 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
       .friction_differs = hc_settings_friction_differs(scene),
       .no_slip = hc_settings_no_slip(scene),
       .compressible = simulation->solver->compressible,
+      .drag = hc_solver_wall_drag(simulation->solver_settings, h),
       .boundary_ops = hc_settings_boundary(scene),
       .features = hc_settings_features(scene),
       .isa = simulation->isa};
-  settings.drag = hc_solver_wall_drag(simulation->solver_settings, h, &settings.drag_coefficient);
   hc_world_init(&simulation->world, comm, &settings);
   if (plan_particles(simulation, error) != HC_OK) hc_simulation_free(simulation);
   return error->status;

@@ -1,5 +1,6 @@
 #include "block.h"
 
+#include "base/bits.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -40,22 +41,14 @@ static void clear_chosen(hc_individual_block *b) {
   memset(chosen->bits, 0, words_of(own) * sizeof *chosen->bits);
 }
 
-static void set(uint64_t *bits, int32_t i) {
-  bits[i / 64] |= (uint64_t)1 << (i % 64);
-}
-
-static bool is_set(const uint64_t *bits, int32_t i) {
-  return bits[i / 64] >> (i % 64) & 1;
-}
-
 static void choose(const hc_individual_block *b, int32_t i, int32_t *count) {
   b->world->chosen.index[(*count)++] = i;
-  set(b->world->chosen.bits, i);
+  hc_bits_add(b->world->chosen.bits, i);
 }
 
 bool hc_block_is_active(const hc_individual_block *b, int32_t i) {
   const int32_t own = b->world->fluid->own;
-  return i < own ? is_set(b->world->chosen.bits, i) : is_set(b->world->chosen.ghosts, i - own);
+  return i < own ? hc_bits_have(b->world->chosen.bits, i) : hc_bits_have(b->world->chosen.ghosts, i - own);
 }
 
 /* Goes on to now, and from there; returns the square of the speed. */
@@ -95,7 +88,7 @@ void hc_block_activate(hc_individual_block *b) {
 }
 
 void hc_block_touch(hc_individual_block *b, bool all) {
-  static const int32_t FEW = 8; /* to mark 40 neighbours costs as much as to show some particles */
+  static const int32_t FEW = 8; /* to mark the neighbours of one costs about as much as to show four */
   const hc_world *const world = b->world;
   const int32_t records = world->fluid->own + world->fluid->ghosts;
   hc_chosen *const chosen = &b->world->chosen;
@@ -103,12 +96,13 @@ void hc_block_touch(hc_individual_block *b, bool all) {
   hc_reserve((void **)&chosen->touched, &chosen->touched_room, words_of(records), 0, sizeof *chosen->touched);
   all |= FEW * b->active.end > world->fluid->own;
   memset(chosen->touched, all ? 0xff : 0, bytes);
-  for (int32_t i = 0; i < world->fluid->border && !all; i++) set(chosen->touched, i);
+  for (int32_t i = 0; i < world->fluid->border && !all; i++) hc_bits_add(chosen->touched, i);
   for (int32_t row = b->active.begin; row < b->active.end && !all; row++) {
     const int32_t i = b->active.index[row], count = hc_list_count(world->sweep.list, i);
     const uint32_t *const neighbors = hc_list_row(world->sweep.list, i);
-    set(chosen->touched, i);
-    for (int32_t k = 0; k < count; k++) set(chosen->touched, (int32_t)(neighbors[k] / sizeof(hc_record)));
+    hc_bits_add(chosen->touched, i);
+    for (int32_t k = 0; k < count; k++)
+      hc_bits_add(chosen->touched, (int32_t)(neighbors[k] / sizeof(hc_record)));
   }
 }
 
@@ -140,7 +134,7 @@ static void show(const hc_individual_block *b, int32_t i) {
 
 void hc_block_show_own(const hc_individual_block *b) {
   const int32_t own = b->world->fluid->own;
-  HC_FOR_TOUCHED(b, i, 0, own) if (!is_set(b->world->chosen.bits, i)) show(b, i);
+  HC_FOR_TOUCHED(b, i, 0, own) if (!hc_bits_have(b->world->chosen.bits, i)) show(b, i);
 }
 
 void hc_block_show_ghosts(const hc_individual_block *b) {
@@ -191,7 +185,7 @@ void hc_block_tell_ghosts(hc_individual_block *b) {
 void hc_block_activate_ghosts(const hc_individual_block *b) {
   const hc_particles *const fluid = b->world->fluid;
   for (int32_t k = 0; k < fluid->ghosts; k++)
-    if (is_set(b->world->chosen.ghosts, k)) arrive(b, fluid->own + k);
+    if (hc_bits_have(b->world->chosen.ghosts, k)) arrive(b, fluid->own + k);
 }
 
 /* ---- all as they are now ---- */

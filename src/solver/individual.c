@@ -76,7 +76,7 @@ static void place_anew(hc_individual_block *b) {
 /* ---- a sub-step: what active particles find ---- */
 
 /* Goes on to the next sub-step: who is active then, and all that they look at. Collective. */
-static void go_on(hc_individual_block *b) {
+static void begin_substep(hc_individual_block *b) {
   const double margin = b->exact ? b->world->frame.margin : b->world->margin;
   const bool anew = !b->individual->lasting || b->used > 0.5 * margin;
   hc_stopwatch_enter(&b->world->watch, HC_STAGE_STEPS);
@@ -375,7 +375,7 @@ hc_status hc_individual_advance(hc_world *world, const hc_weak_settings *setting
   b.calm_a2 = square(square(individual->force / b.longest) * h);
   start(&b);
   for (plan(&b); b.next < TICKS; plan(&b)) {
-    go_on(&b);
+    begin_substep(&b);
     evaluate(&b);
   }
   b.now = TICKS;

@@ -24,13 +24,11 @@ double hc_fastest(const hc_particles *fluid) {
   return largest;
 }
 
-hc_wall_drag hc_solver_wall_drag(const hc_solver_settings *settings, double support_radius,
-                                 double *coefficient) {
-  *coefficient = settings->viscosity_coefficient;
-  if (settings->viscosity == HC_VISCOUS_LAMINAR) return HC_DRAG_LAMINAR;
-  if (settings->viscosity != HC_VISCOUS_ARTIFICIAL) return HC_DRAG_NONE;
-  *coefficient *= support_radius * settings->sound_speed;
-  return HC_DRAG_ARTIFICIAL;
+hc_wall_drag hc_solver_wall_drag(const hc_solver_settings *settings, double support_radius) {
+  const double coefficient = settings->viscosity_coefficient;
+  if (settings->viscosity == HC_VISCOUS_LAMINAR) return (hc_wall_drag){HC_DRAG_LAMINAR, coefficient};
+  if (settings->viscosity != HC_VISCOUS_ARTIFICIAL) return (hc_wall_drag){.kind = HC_DRAG_NONE};
+  return (hc_wall_drag){HC_DRAG_ARTIFICIAL, coefficient * support_radius * settings->sound_speed};
 }
 
 static void viscous_change(hc_world *world, const hc_solver_settings *settings, double dt, float *change,

@@ -43,8 +43,7 @@ typedef struct hc_solver_settings {
 } hc_solver_settings;
 
 /* How that viscosity acts at walls; see hc_sweep. Local. */
-hc_wall_drag hc_solver_wall_drag(const hc_solver_settings *settings, double support_radius,
-                                 double *coefficient);
+hc_wall_drag hc_solver_wall_drag(const hc_solver_settings *settings, double support_radius);
 
 /* What moving adds up: on one rank, until hc_move_note's tally is reduced. */
 typedef struct hc_moved {

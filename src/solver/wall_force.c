@@ -8,6 +8,7 @@
 
 #include "base/memory.h"
 #include "sph/kernel.h"
+#include "wall_drag.h"
 #include "wall_layer.h"
 
 #include <math.h>
@@ -19,9 +20,8 @@ static const double ASIDE = 0.02; /* e: of a share, what goes along the wall */
 typedef struct pair {
   int32_t b;
   double d[3], q;
-  double force[3],
-      aside[3]; /* of pressure, on the sample, N: what stays there, and what goes along its face */
-  double rubs;  /* share in friction */
+  double force[3], aside[3]; /* N, of pressure on the sample: what stays there, what goes along its face */
+  double rubs;               /* share in friction */
 } pair;
 
 static pair make_pair(const hc_sweep *sweep, int32_t i, uint32_t offset) {
@@ -93,79 +93,6 @@ static double strength(const hc_sweep *sweep, int32_t i, const pair *pair, const
     break;
   }
   return 0.0;
-}
-
-/* ---- viscosity at walls, as in forces_isa.c and weak_isa.c ---- */
-
-/* Of a particle, for the drag on its samples. */
-typedef struct dragger {
-  double velocity[3]; /* at the step's beginning, m/s */
-  double normal[3];   /* of the wall by the volumes around; 0: there are none */
-  double distance;    /* from walls of frozen fluid, support radii */
-  double factor;      /* kg/s for a volume and a support radius; 0: no drag */
-  bool frozen;
-} dragger;
-
-static double distance_from_walls(const pusher *p) {
-  double least = 1.0;
-  for (int32_t k = 0; k < p->count; k++) {
-    const double height = along(p->sweep->boundary->facing[p->pairs[k].b].v, p->pairs[k].d);
-    if (height > 0.0 && height < least) least = height;
-  }
-  return least - (double)p->sweep->wall_offset;
-}
-
-static dragger find_dragger(const pusher *p, double dt) {
-  const hc_sweep *const sweep = p->sweep;
-  const hc_particles *const fluid = sweep->fluid;
-  dragger g = {.factor = 0.0, .frozen = sweep->walls_add == HC_WALLS_PRESSURE};
-  if (sweep->drag == HC_DRAG_NONE || (sweep->drag == HC_DRAG_LAMINAR && !sweep->no_slip)) return g;
-  if (sweep->walls_add != HC_WALLS_MIRRORED && !(g.frozen && sweep->drag == HC_DRAG_LAMINAR)) return g;
-  const double mass = (double)sweep->rest_density * (double)sweep->volume;
-  g.factor = (sweep->drag == HC_DRAG_LAMINAR ? 2.0 : 1.0) * mass * sweep->drag_coefficient *
-             (double)sweep->gradient / (double)sweep->support;
-  double square = 0.0;
-  for (int axis = 0; axis < 3; axis++) {
-    const size_t at = 3 * (size_t)p->i + (size_t)axis;
-    g.velocity[axis] = fluid->velocity[at] - dt * (double)fluid->acceleration[at];
-    if (g.frozen) continue;
-    g.normal[axis] = (double)fluid->wall_gradient[at];
-    square += g.normal[axis] * g.normal[axis];
-  }
-  for (int axis = 0; axis < 3 && square > 0.0; axis++) g.normal[axis] /= sqrt(square);
-  if (g.frozen) g.distance = distance_from_walls(p);
-  return g;
-}
-
-/* By how much more than the particle a sample slips that would let the wetted surface rest. */
-static double slip(const hc_sweep *sweep, const dragger *g, const pair *pair) {
-  const double behind = (double)sweep->wall_offset;
-  if (!g->frozen) {
-    const double distance =
-        fabs(g->normal[0] * pair->d[0] + g->normal[1] * pair->d[1] + g->normal[2] * pair->d[2]);
-    return 1.0 + behind / fmax(distance - behind, behind);
-  }
-  const double height = along(sweep->boundary->facing[pair->b].v, pair->d);
-  return 1.0 + fmin(fmax(height - g->distance, behind) / fmax(g->distance, behind), 3.0);
-}
-
-/* The force on the sample, N. */
-static void drag_of(const hc_sweep *sweep, const dragger *g, const pair *pair, double force[3]) {
-  const double guard = 0.0025, square = pair->q * pair->q;
-  memset(force, 0, 3 * sizeof *force);
-  if (g->factor == 0.0 || !(pair->q < 1.0)) return;
-  const hc_record *const motion = &sweep->boundary->motion[pair->b];
-  const double volume = g->frozen ? (double)sweep->volume : (double)sweep->boundary->place[pair->b].scalar;
-  const double factor = -g->factor * volume * hc_kernel_slope_over_q(pair->q) / (square + guard);
-  double relative[3], approach = 0.0;
-  for (int axis = 0; axis < 3; axis++) {
-    relative[axis] = g->velocity[axis] - (sweep->walls_move ? (double)motion->v[axis] : 0.0);
-    approach += relative[axis] * pair->d[axis];
-  }
-  const double slipping = sweep->drag == HC_DRAG_LAMINAR ? square * slip(sweep, g, pair) : 0.0;
-  for (int axis = 0; axis < 3; axis++)
-    force[axis] = factor * (sweep->drag == HC_DRAG_LAMINAR ? slipping * relative[axis]
-                                                           : fmin(approach, 0.0) * pair->d[axis]);
 }
 
 /* What contact with walls has changed a particle's velocity by; null: nothing. `next`: the holds before are
@@ -287,7 +214,7 @@ double hc_wall_force_later(const hc_sweep *sweep, double dt) {
 }
 
 /* `back`: how long the particle has moved since it was where its record says, s. */
-static void share_out(const pusher *p, const dragger *drag, const hc_frame *frame, double back, double dt,
+static void share_out(const pusher *p, const hc_dragger *drag, const hc_frame *frame, double back, double dt,
                       hc_wall_push_taker take, void *context) {
   const hc_sweep *const sweep = p->sweep;
   const hc_particles *const fluid = sweep->fluid;
@@ -300,7 +227,7 @@ static void share_out(const pusher *p, const dragger *drag, const hc_frame *fram
                  rub = of_rub * pair->rubs;
     hc_wall_push push = {.wall = (int)sweep->boundary->motion[pair->b].scalar};
     double dragged[3];
-    drag_of(sweep, drag, pair, dragged);
+    hc_wall_drag_on(sweep, drag, pair->b, pair->d, pair->q, dragged);
     for (int axis = 0; axis < 3; axis++) {
       push.at[axis] = hc_frame_to_metres(frame, axis, fluid->position[at + (size_t)axis]) -
                       back * fluid->velocity[at + (size_t)axis] -
@@ -339,7 +266,7 @@ void hc_wall_force_each(const hc_sweep *sweep, const hc_frame *frame, double dt,
     hc_reserve((void **)&pairs, &room, (size_t)p.count, 0, sizeof *pairs);
     p.pairs = pairs;
     for (int32_t k = 0; k < p.count; k++) pairs[k] = make_pair(sweep, i, hc_list_row(sweep->walls, i)[k]);
-    const dragger drag = find_dragger(&p, dt);
+    const hc_dragger drag = hc_wall_drag_by(sweep, i, dt);
     if (look_at_pairs(&p, dt) || drag.factor != 0.0) share_out(&p, &drag, frame, back, dt, take, context);
   }
   hc_free(pairs);

@@ -20,12 +20,11 @@ double hc_wall_force_later(const hc_sweep *sweep, double dt);
 
 typedef void (*hc_wall_push_taker)(void *context, const hc_wall_push *push);
 
-/* Shows every push of own fluid particles near a wall that is `wanted` (by its number), on all walls, of the
- * step of `dt` that has just moved them: pressure,
- * m/rho0 p V_b grad W a pair by how the walls take part; viscosity, where walls take part in it, with the
- * velocities of the step's beginning (dfsph takes those behind its divergence solve: half a percent); and the
- * momentum that contacts and friction took, shared out among the samples that are near. Lists and records are
- * the step's. Local. */
+/* Shows every push on all walls of own fluid particles near a wall that is `wanted` (by its number), of the
+ * step of `dt` that has just moved them: pressure, m/rho0 p V_b grad W a pair by how the walls take part;
+ * viscosity (wall_drag.h), with the velocities of the step's beginning (dfsph takes those behind its
+ * divergence solve: half a percent of the weight); and the momentum that contacts and friction took, shared
+ * out among the samples that are near. Lists and records are the step's. Local. */
 void hc_wall_force_each(const hc_sweep *sweep, const hc_frame *frame, double dt, const bool *wanted,
                         hc_wall_push_taker take, void *context);
 

@@ -22,16 +22,10 @@ static const hc_wall_friction *friction_of(const hc_sweep *sweep, int32_t b) {
   return &sweep->friction[(int)sweep->boundary->motion[b].scalar];
 }
 
-/* How high a particle is over the plane of a sample, in support radii. */
-static double height_over(const hc_sweep *sweep, const double d[3], int32_t b) {
-  const float *const n = sweep->boundary->facing[b].v;
-  return d[0] * (double)n[0] + d[1] * (double)n[1] + d[2] * (double)n[2];
-}
-
 double hc_wall_layer_share(const hc_sweep *sweep, const double d[3], int32_t b) {
   if (!sweep->friction || friction_of(sweep, b)->law == HC_FRICTION_NONE) return 0.0;
   const double square = dot(d, d);
-  return square < 1.0 && height_over(sweep, d, b) > 0.0 ? hc_kernel_shape(sqrt(square)) : 0.0;
+  return square < 1.0 && hc_sweep_over_wall(sweep, b, d) > 0.0 ? hc_kernel_shape(sqrt(square)) : 0.0;
 }
 
 /* Shear stress over rest density and velocity, m/s. */

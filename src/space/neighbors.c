@@ -44,6 +44,7 @@ static const hc_neighbor_loops *loops_of(hc_isa isa) {
   return hc_neighbor_loops_portable();
 }
 
+/* Makes room for the bricks around each target's; none is known. */
 static void forget_adjacent(hc_neighbor_search *search, int32_t bricks, int source_count) {
   hc_reserve((void **)&search->adjacent, &search->adjacent_capacity, (size_t)bricks * (size_t)source_count, 0,
              sizeof *search->adjacent);
@@ -84,15 +85,16 @@ static void make_room(hc_neighbor_search *search, int32_t count, int32_t keep) {
   search->candidate_capacity = capacity[0];
 }
 
-/* Finds the bricks around a target's, the first time; false if there is none. */
+/* Finds the bricks around a target's, if they are not known; false if there is none. */
 static bool find_adjacent(const window *window, const hc_brick_set *targets, int32_t brick) {
   enum { UNKNOWN, NONE, SOME };
   char *const known = &window->search->known[brick];
-  bool any = false;
-  for (int s = 0; s < window->source_count && *known == UNKNOWN; s++)
-    any |= hc_brick_set_around(&window->sources[s].cells->bricks, targets->bricks[brick],
-                               window->search->adjacent[s * window->bricks + brick]);
-  if (*known == UNKNOWN) *known = any ? SOME : NONE;
+  if (*known != UNKNOWN) return *known == SOME;
+  *known = NONE;
+  for (int s = 0; s < window->source_count; s++)
+    if (hc_brick_set_around(&window->sources[s].cells->bricks, targets->bricks[brick],
+                            window->search->adjacent[s * window->bricks + brick]))
+      *known = SOME;
   return *known == SOME;
 }
 

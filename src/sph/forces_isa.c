@@ -24,13 +24,13 @@ HC_INLINE void pair_laminar(vector_sums *sum, int part, const viscous_self *own,
                             const vector *relative, hc_float volume, hc_float inverse_density) {
   (void)own, (void)inverse_density;
   /* x . grad W/(r^2 + 0.01 (h/2)^2) = q^2 (W'(q)/q)/(q^2 + 0.0025) / h^2 */
-  add_scaled(sum, part, volume * slope_over_q(p->q) * p->q2 / (p->q2 + hc_set(GUARD)), relative);
+  add_scaled(sum, part, volume * slope_over_q(p->q) * p->q2 / (p->q2 + hc_set(HC_GUARD)), relative);
 }
 
 HC_INLINE void pair_smagorinsky(vector_sums *sum, int part, const viscous_self *own, const pair *p,
                                 const vector *relative, hc_float volume, hc_float inverse_density) {
   (void)inverse_density;
-  const hc_float inverse = hc_set(1.0f) / (p->q2 + hc_set(GUARD)), v2 = dot(relative, relative);
+  const hc_float inverse = hc_set(1.0f) / (p->q2 + hc_set(HC_GUARD)), v2 = dot(relative, relative);
   const hc_float eddies = hc_min(own->eddies * hc_sqrt(v2 * inverse), own->most_eddies);
   add_scaled(sum, part, volume * slope_over_q(p->q) * (p->q2 * inverse) * (own->molecular + eddies),
              relative);
@@ -41,7 +41,7 @@ HC_INLINE void pair_artificial(vector_sums *sum, int part, const viscous_self *o
   (void)own, (void)inverse_density;
   const hc_float approach = hc_min(dot_pair(relative, p), hc_set(0.0f));
   const vector d = direction(p);
-  add_scaled(sum, part, volume * approach * slope_over_q(p->q) / (p->q2 + hc_set(GUARD)), &d);
+  add_scaled(sum, part, volume * approach * slope_over_q(p->q) / (p->q2 + hc_set(HC_GUARD)), &d);
 }
 
 /* From the velocity relative to the wall to that relative to its sample behind the wetted surface. */

@@ -14,9 +14,6 @@
 
 enum { PREFETCH = 2048 }; /* bytes of the list ahead of use; without it large sets run at half the speed */
 
-/* Keeps divisions by r^2 finite: 0.01 smoothing lengths squared (half a support radius each). */
-#define GUARD 0.0025f
-
 /* Neighbours relative to the particle. */
 typedef struct pair {
   hc_float x, y, z; /* x_i - x_j in support radii */

@@ -72,9 +72,15 @@ typedef struct hc_wall_around {
   float depth[3];               /* V_b (depth.(x_b - x_i)) grad W over all, m/s2, by hc_touch.depth */
 } hc_wall_around;
 
-/* How a viscosity acts between fluid and walls, and its coefficient, m2/s: alpha h c of artificial, nu of
- * laminar. */
-typedef enum hc_wall_drag { HC_DRAG_NONE, HC_DRAG_ARTIFICIAL, HC_DRAG_LAMINAR } hc_wall_drag;
+/* Keeps divisions by r^2 finite: 0.01 smoothing lengths squared (half a support radius each). */
+#define HC_GUARD 0.0025f
+
+/* How a viscosity acts between fluid and walls. */
+typedef enum hc_drag_kind { HC_DRAG_NONE, HC_DRAG_ARTIFICIAL, HC_DRAG_LAMINAR } hc_drag_kind;
+typedef struct hc_wall_drag {
+  hc_drag_kind kind;
+  double coefficient; /* m2/s: alpha h c of artificial, nu of laminar */
+} hc_wall_drag;
 
 /* What all sweeps of a step read. */
 typedef struct hc_sweep {
@@ -91,15 +97,14 @@ typedef struct hc_sweep {
   float flat_wall; /* MIRRORED: the density share of a flat wall a spacing away, where it goes with the
                       square; 0: where it is the sum */
   hc_particles *fluid;
-  hc_particles *boundary;    /* walls that stand still; behind their records those of moving ones.
-                                place.scalar is V_b, or what the boundary method makes of it; motion the velocity
-                                and the wall's number */
-  const hc_neighbors *list;  /* fluid -> fluid */
-  const hc_neighbors *walls; /* fluid -> boundary, all of it */
-  bool walls_move;           /* has any boundary particle a velocity? */
-  bool no_slip;              /* do walls hold the fluid in laminar sweeps? */
-  hc_wall_drag drag;         /* for what walls feel of it */
-  double drag_coefficient;
+  hc_particles *boundary;           /* walls that stand still; behind their records those of moving ones.
+                                       place.scalar is V_b, or what the boundary method makes of it; motion the velocity
+                                       and the wall's number */
+  const hc_neighbors *list;         /* fluid -> fluid */
+  const hc_neighbors *walls;        /* fluid -> boundary, all of it */
+  bool walls_move;                  /* has any boundary particle a velocity? */
+  bool no_slip;                     /* do walls hold the fluid in laminar sweeps? */
+  hc_wall_drag drag;                /* for what walls feel of it */
   const hc_wall_friction *friction; /* of each wall, by its number; null: no wall has any */
   bool friction_differs;            /* from wall to wall */
   const hc_touches *touches;        /* of the last step; may be null */
@@ -257,6 +262,12 @@ static inline void hc_sweep_from_wall(const hc_sweep *sweep, int32_t i, int32_t 
     d[axis] = (double)(int32_t)((uint32_t)sweep->fluid->place[i].x[axis] -
                                 (uint32_t)sweep->boundary->place[b].x[axis]) *
               (double)sweep->scale[axis];
+}
+
+/* How high such a d is over the plane of sample b. */
+static inline double hc_sweep_over_wall(const hc_sweep *sweep, int32_t b, const double d[3]) {
+  const float *const n = sweep->boundary->facing[b].v;
+  return d[0] * (double)n[0] + d[1] * (double)n[1] + d[2] * (double)n[2];
 }
 
 /* The sweeps compiled for an instruction set. */

@@ -36,7 +36,7 @@ void HC_ISA_SYMBOL(hc_weak_density)(const hc_sweep *sweep, const hc_tait *tait, 
 HC_INLINE void sum_fluid(const hc_sweep *sweep, float viscous, hc_selection selection, int32_t first,
                          int32_t count, block_vectors *forces, block_sums *rates) {
   const hc_particles *const fluid = sweep->fluid;
-  const hc_float viscosity = hc_set(viscous), guard = hc_set(GUARD), zero = hc_set(0.0f);
+  const hc_float viscosity = hc_set(viscous), guard = hc_set(HC_GUARD), zero = hc_set(0.0f);
   for (int32_t k = 0; k < count; k++) {
     const int32_t i = hc_selected(selection, first + k);
     const self own = make_self(sweep, &fluid->place[i]);
@@ -88,9 +88,9 @@ HC_INLINE void sum_viscous_walls(const hc_sweep *sweep, hc_selection selection, 
         }
         const hc_float approach = hc_min(dot_pair(&relative, &p), hc_set(0.0f));
         const vector d = direction(&p);
-        add_scaled(&force, part,
-                   hc_keep(p.scalar, row.count - at) * approach * slope_over_q(p.q) / (p.q2 + hc_set(GUARD)),
-                   &d);
+        add_scaled(
+            &force, part,
+            hc_keep(p.scalar, row.count - at) * approach * slope_over_q(p.q) / (p.q2 + hc_set(HC_GUARD)), &d);
       }
     }
     store_vector(forces, m, &force);

@@ -56,7 +56,6 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
   world->sweep.friction_differs = settings->friction_differs;
   world->sweep.no_slip = settings->no_slip;
   world->sweep.drag = settings->drag;
-  world->sweep.drag_coefficient = settings->drag_coefficient;
   world->sweep.compressible = settings->compressible;
 }
 

@@ -74,7 +74,6 @@ typedef struct hc_world_settings {
   hc_wall_friction *friction;          /* of each wall, from hc_alloc: the world frees it; null: none */
   bool friction_differs, no_slip, compressible; /* see hc_sweep */
   hc_wall_drag drag;
-  double drag_coefficient;
   const hc_boundary_ops *boundary_ops;
   unsigned features; /* HC_FOR_*: of solver, boundary method and movers together */
   hc_isa isa;        /* the same on every rank */

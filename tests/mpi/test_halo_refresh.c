@@ -301,7 +301,7 @@ static holder *give_values(const placed *p, number_kind kind, int round, const u
       const uint64_t seed = ((uint64_t)(comm.rank * 100 + round) << 32) + (uint64_t)(k * MOST_COMPONENTS + c);
       mine[k].value[c] = random_of(kind.type, seed);
       put(values, kind.type, (size_t)(k * kind.components + c), mine[k].value[c]);
-      if (chosen && k >= p->own && !(chosen[k / 64] >> (k % 64) & 1)) mine[k].value[c] = NOTHING;
+      if (k >= p->own && !(chosen[k / 64] >> (k % 64) & 1)) mine[k].value[c] = NOTHING;
     }
   }
   void *all;
@@ -353,11 +353,13 @@ START_TEST(folds_bring_the_least_of_all_copies) {
   for (int r = 0; r < REGIONS; r++) {
     placed p;
     placed_init(&p, &regions[r], r);
-    for (int k = 0; k < KINDS; k++) several += (int64_t)fold(&p, kinds[k], k, NULL) > 2 * p.w.all_count;
+    uint64_t *everybody = choose(&p, EVERY, 0);
+    for (int k = 0; k < KINDS; k++) several += (int64_t)fold(&p, kinds[k], k, everybody) > 2 * p.w.all_count;
     set_own(&p, 0, p.own, 7); /* a refresh after a fold */
     spoil_ghosts(&p);
     hc_halo_refresh(&p.w.halo, HC_WHOLE(motion));
     EXPECT(all_is_right(&p, HC_WHOLE(motion), 7, EVERY));
+    hc_free(everybody);
     placed_free(&p);
   }
   ck_assert_int_gt(several, 0);
@@ -413,16 +415,18 @@ START_TEST(a_fold_minds_its_own_halo) {
   const size_t room = (size_t)p[1].all * sizeof(float);
   float *values = hc_alloc(room, 1), *before = hc_alloc(room, 1);
   size_t count;
-  holder *holders = give_values(&p[1], kind, 0, NULL, values, &count);
+  uint64_t *everybody = choose(&p[1], EVERY, 0);
+  holder *holders = give_values(&p[1], kind, 0, everybody, values, &count);
   memcpy(before, values, room);
   set_own(&p[0], 0, p[0].own, 3);
   spoil_ghosts(&p[0]);
   hc_halo_begin(&p[0].w.halo, HC_WHOLE(place));
-  hc_halo_fold_least(&p[1].w.halo, kind.type, kind.components, values, NULL);
+  hc_halo_fold_least(&p[1].w.halo, kind.type, kind.components, values, everybody);
   hc_halo_end(&p[0].w.halo);
   EXPECT(fold_is_right(&p[1], kind, values, holders, count, before));
   EXPECT(all_is_right(&p[0], HC_WHOLE(place), 3, EVERY));
   hc_free(holders);
+  hc_free(everybody);
   hc_free(values);
   hc_free(before);
   for (int k = 0; k < 2; k++) placed_free(&p[k]);

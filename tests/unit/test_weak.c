@@ -4,7 +4,6 @@
 #include "sph/error_rule.h"
 
 #include <check.h>
-#include <float.h>
 
 enum { FLUID = 500, WALL = 200 };
 
