@@ -48,9 +48,9 @@ static void put_particles(const hc_scene *scene, const hc_estimate *estimate) {
            emitter->most);
   }
   put_set("boundary particles", &estimate->boundary);
-  for (int k = 0; k < scene->boundary.wall_count; k++) {
+  for (int k = 0; k < hc_scene_surfaces(scene); k++) {
     printf("  ");
-    put_set(hc_source_wall_name(&scene->boundary.walls[k], k).text, &estimate->walls[k]);
+    put_set(hc_source_surface_name(scene, k).text, &estimate->walls[k]);
     if (estimate->swept[k].count > 0)
       printf("    moves within      (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g) m\n", estimate->swept[k].low[0],
              estimate->swept[k].low[1], estimate->swept[k].low[2], estimate->swept[k].high[0],
@@ -180,9 +180,8 @@ static void put_json_sources(hc_json *json, const hc_scene *scene, const hc_esti
     put_json_source(json, hc_source_block_name(k).text, &estimate->blocks[k], NULL);
   hc_json_end(json);
   hc_json_list(json, "walls", HC_JSON_DENSE);
-  for (int k = 0; k < scene->boundary.wall_count; k++)
-    put_json_source(json, hc_source_wall_name(&scene->boundary.walls[k], k).text, &estimate->walls[k],
-                    &estimate->swept[k]);
+  for (int k = 0; k < hc_scene_surfaces(scene); k++)
+    put_json_source(json, hc_source_surface_name(scene, k).text, &estimate->walls[k], &estimate->swept[k]);
   hc_json_end(json);
 }
 

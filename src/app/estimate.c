@@ -226,10 +226,11 @@ static void estimate_emitters(const hc_scene *scene, const hc_emitters *emitters
 }
 
 static void estimate_motions(const hc_scene *scene, const hc_movers *motions, hc_estimate *estimate) {
-  estimate->swept = hc_alloc((size_t)scene->boundary.wall_count, sizeof *estimate->swept);
-  for (int k = 0; k < scene->boundary.wall_count; k++) estimate->swept[k] = empty_set();
+  estimate->swept = hc_alloc((size_t)hc_scene_surfaces(scene), sizeof *estimate->swept);
+  for (int k = 0; k < hc_scene_surfaces(scene); k++) estimate->swept[k] = empty_set();
   for (int k = 0; k < motions->count; k++) {
     hc_estimate_set *swept = &estimate->swept[motions->walls[k].wall];
+    if (motions->walls[k].motion.law == HC_MOTION_BODY) continue;
     *swept = estimate->walls[motions->walls[k].wall];
     if (swept->count > 0)
       hc_prescribed_sweep(&motions->walls[k].motion, scene->end_time, swept->low, swept->high);

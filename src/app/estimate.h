@@ -41,7 +41,7 @@ typedef struct hc_estimate_set {
 
 typedef struct hc_estimate {
   hc_estimate_set fluid, boundary, all;
-  hc_estimate_set *blocks, *walls; /* as fluid.blocks and boundary.walls of the scene */
+  hc_estimate_set *blocks, *walls; /* as fluid.blocks, and walls and bodies, of the scene */
   hc_estimate_emitter *emitters;   /* as fluid.emitters */
   int64_t fluid_most;              /* fluid particles at the end, emitters' included */
   hc_estimate_set *swept; /* walls that move: all places that they come to until the end; count 0: stands */

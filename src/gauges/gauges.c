@@ -37,8 +37,8 @@ void hc_gauges_column_name(const hc_scene *scene, int column, char *name, size_t
 }
 
 static int find_wall(const hc_scene *scene, const char *name) {
-  for (int k = 0; k < scene->boundary.wall_count; k++)
-    if (*name && strcmp(scene->boundary.walls[k].name, name) == 0) return k;
+  for (int k = 0; k < hc_scene_surfaces(scene); k++)
+    if (*name && strcmp(hc_scene_surface(scene, k)->name, name) == 0) return k;
   return -1;
 }
 
@@ -66,17 +66,19 @@ static int sums_of(const hc_gauges *gauges, int g) {
 }
 
 void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
-                    const hc_movers *movers, double mass) {
+                    const hc_movers *movers, const hc_bodies *bodies, double mass) {
   const int count = scene->output.gauge_count;
   *gauges = (hc_gauges){.scene = scene,
                         .frame = frame,
                         .movers = movers,
+                        .bodies = bodies,
                         .comm = comm,
                         .state = hc_alloc_zero((size_t)count, sizeof(hc_gauge_state)),
                         .mass = mass};
   for (int g = 0; g < count; g++) {
     const hc_scene_gauge *gauge = &scene->output.gauges[g];
     gauges->state[g].wall = find_wall(scene, gauge->wall);
+    gauges->state[g].body = hc_bodies_of(bodies, find_wall(scene, gauge->body));
     gauges->state[g].radius = gauge->radius > 0.0 ? gauge->radius : frame->support_radius;
     hc_measure_stand(scene, gauge, gauges->state[g].at, gauges->state[g].direction);
     if (has_moving_mean(gauges, g))
@@ -122,6 +124,16 @@ void hc_gauges_free(hc_gauges *gauges) {
 }
 
 /* What a step's sums mean: the integral over the step of each column of a gauge. */
+/* What a gauge of a body averages. */
+static void integrate_body(const hc_gauges *gauges, int g, double dt, double integral[HC_GAUGE_COLUMNS]) {
+  const hc_scene_gauge *const gauge = &gauges->scene->output.gauges[g];
+  const hc_body *const body = gauges->state[g].body;
+  if (gauge->type == HC_GAUGE_MOORING)
+    integral[0] = dt * body->moorings[gauge->mooring].tension;
+  else
+    for (int k = 0; k < HC_GAUGE_COLUMNS; k++) integral[k] = dt * body->load[k];
+}
+
 static void integrate(const hc_gauges *gauges, int g, double dt, double integral[HC_GAUGE_COLUMNS]) {
   const hc_gauge_state *state = &gauges->state[g];
   const hc_sum *sums = gauges->sums + state->first_sum;
@@ -143,6 +155,10 @@ static void integrate(const hc_gauges *gauges, int g, double dt, double integral
       integral[0] = dt * (value[0] / value[1]);
     }
     break;
+  case HC_GAUGE_BODY:
+  case HC_GAUGE_MOORING:
+    integrate_body(gauges, g, dt, integral);
+    break;
   case HC_GAUGE_FLOW: /* particles */
     integral[0] = value[0] * (gauges->mass / gauges->scene->fluid.rest_density);
     break;
@@ -155,7 +171,7 @@ static void integrate(const hc_gauges *gauges, int g, double dt, double integral
 static void stand_on_wall(hc_gauges *gauges, int g, double ahead) {
   hc_gauge_state *const state = &gauges->state[g];
   hc_measure_stand(gauges->scene, &gauges->scene->output.gauges[g], state->at, state->direction);
-  hc_movers_carry(gauges->movers, state->wall, ahead, state->at, state->direction);
+  hc_movers_carry(gauges->movers, gauges->frame, state->wall, ahead, state->at, state->direction);
 }
 
 void hc_gauges_note(hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_tally *tally) {
@@ -266,6 +282,18 @@ static void take_readings(const hc_gauges *gauges, const hc_particles *fluid, re
   if (heights) hc_heights_gather(gauges->comm, &r->marks);
 }
 
+/* Where a body is and how it moves: the columns before its forces. */
+enum { BODY_POSE = 12 };
+
+static void tell_body(const hc_gauges *gauges, const hc_body *body, double values[BODY_POSE]) {
+  for (int axis = 0; axis < 3; axis++) {
+    values[axis] = hc_frame_to_metres(gauges->frame, axis, body->position[axis]);
+    values[6 + axis] = body->velocity[axis];
+  }
+  hc_body_angles(body, values + 3);
+  hc_body_spin(body, values + 9);
+}
+
 /* A gauge's columns; begins its averages since the last reading anew. */
 static void tell(hc_gauges *gauges, int g, const readings *r, double *values) {
   const hc_scene_gauge *gauge = &gauges->scene->output.gauges[g];
@@ -287,9 +315,16 @@ static void tell(hc_gauges *gauges, int g, const readings *r, double *values) {
   case HC_GAUGE_DENSITY: /* 0/0 where there is no water */
     values[0] = hc_sum_value(&r->sums[g][0]) / hc_sum_value(&r->sums[g][1]);
     break;
+  case HC_GAUGE_BODY:
+    tell_body(gauges, state->body, values);
+    for (int k = 0; k < HC_GAUGE_COLUMNS; k++)
+      values[BODY_POSE + k] = gauges->elapsed > 0.0 ? state->integral[k] / gauges->elapsed : 0.0;
+    memset(state->integral, 0, sizeof state->integral);
+    break;
   case HC_GAUGE_PRESSURE:
   case HC_GAUGE_FLOW:
   case HC_GAUGE_FORCE:
+  case HC_GAUGE_MOORING:
     if (has_moving_mean(gauges, g)) {
       hc_moving_mean_read(&state->moving, values);
       break;

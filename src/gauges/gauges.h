@@ -11,28 +11,31 @@
  *   spacing from an inner edge it reads a quarter low in still water, 8 % a spacing from it.
  *   Where the wall moves, point and face go with it, and so does the point of a force's moment.
  * - flow: volume per time through a rectangle, counted particle by particle.
- * - force: force of pressure, contact and friction, and its moment, on a wall; the drag of a viscosity model
- *   is not included.
+ * - force: force of pressure, viscosity, contact and friction, and its moment, on a wall or body.
  * - energy: kinetic and potential.
  * - volume: sum of m/max(rho, rho0), what compression takes away.
  * - density: mean of the particles' densities; deep in the water it tells whether that has swollen. nan where
  *   there is none.
+ * - body: where the centre of mass of a body is, how the body is turned since the start (roll, pitch, yaw
+ * about the scene's x, y and z, in this order, degrees), its velocity and angular velocity, and the fluid's
+ * force and torque about the centre of mass.
+ * - mooring: the tension of a mooring.
  *
  * Boxes, rectangles and what is around a point are found through periodic images.
  *
- * Pressure, flow and force are means over the time since the last reading, step by step, so that no impulse
- * falls between two readings, or over the scene's mean_over, however often they are read (moving_mean.h); the
- * others are of the moment. All sums are exact, extremes need no order: the same values on any number of
- * ranks. The averages under way are state of the run. */
+ * Pressure, flow, forces and tensions are means over the time since the last reading, step by step, so that
+ * no impulse falls between two readings, all but those of bodies or over the scene's mean_over, however often
+ * they are read (moving_mean.h); the others are of the moment. All sums are exact, extremes need no order:
+ * the same values on any number of ranks. The averages under way are state of the run. */
 #ifndef HC_GAUGES_H
 #define HC_GAUGES_H
 
 #include "comm/tally.h"
 #include "measures.h"
 
-/* Sets up the scene's gauges; scene, frame and movers stay in use. Local. */
+/* Sets up the scene's gauges; scene, frame, movers and bodies stay in use. Local. */
 void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, const hc_frame *frame,
-                    const hc_movers *movers, double mass);
+                    const hc_movers *movers, const hc_bodies *bodies, double mass);
 void hc_gauges_free(hc_gauges *gauges);
 
 /* Registers the averages under way. Local. */

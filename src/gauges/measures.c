@@ -193,7 +193,7 @@ static void add_push(void *context, const hc_wall_push *push) {
 
 void hc_measure_wall_push(const hc_gauges *gauges, const hc_sweep *sweep, double dt, hc_sum *sums) {
   const hc_scene *const scene = gauges->scene;
-  bool *const wanted = hc_alloc_zero((size_t)scene->boundary.wall_count + 1, sizeof *wanted);
+  bool *const wanted = hc_alloc_zero((size_t)hc_scene_surfaces(scene) + 1, sizeof *wanted);
   for (int g = 0; g < scene->output.gauge_count; g++)
     if (gauges->state[g].wall >= 0) wanted[gauges->state[g].wall] = true;
   hc_wall_force_each(sweep, gauges->frame, dt, wanted, add_push, &(taking){gauges, sums});

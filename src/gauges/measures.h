@@ -4,12 +4,12 @@
 
 #include "comm/comm.h"
 #include "moving_mean.h"
-#include "rigid/movers.h"
+#include "rigid/bodies.h"
 #include "scene/scene.h"
 #include "space/frame.h"
 #include "sph/sweeps.h"
 
-enum { HC_GAUGE_COLUMNS = 6 }; /* the most that one gauge has */
+enum { HC_GAUGE_COLUMNS = 6 }; /* the most that one gauge averages */
 
 /* One gauge at work. */
 typedef struct hc_gauge_state {
@@ -21,12 +21,14 @@ typedef struct hc_gauge_state {
                                  with its wall, where that has gone */
   int wall;                   /* the wall's number; -1: none */
   int first_sum;              /* of a step's sums */
+  const hc_body *body;        /* body, mooring */
 } hc_gauge_state;
 
 typedef struct hc_gauges {
   const hc_scene *scene;   /* the caller's */
   const hc_frame *frame;   /* the caller's */
   const hc_movers *movers; /* the caller's */
+  const hc_bodies *bodies; /* the caller's */
   hc_comm *comm;
   hc_gauge_state *state; /* one for each of scene->output.gauges */
   double mass;           /* kg, of a fluid particle */

@@ -276,9 +276,16 @@ static void produce_types(const hc_snapshot_layout *layout, int64_t first, int64
   memset(values, VERTEX, (size_t)count);
 }
 
+/* Fluid, walls, bodies. */
 static void produce_kinds(const hc_snapshot_layout *layout, int64_t first, int64_t count, void *values) {
-  for (int64_t k = 0; k < count; k++)
-    ((uint8_t *)values)[k] = first + k < layout->moment->fluid->own ? HC_ID_FLUID : HC_ID_BOUNDARY;
+  enum { BODY = 2 };
+  const hc_particles *const moving = layout->moment->moving;
+  const int64_t fluid = layout->moment->fluid->own, walls = fluid + layout->moment->boundary->own;
+  for (int64_t k = first; k < first + count; k++) {
+    const bool body =
+        k >= walls && hc_scene_is_body(layout->scene, (int)hc_id_source_of(moving->id[k - walls]));
+    ((uint8_t *)values)[k - first] = k < fluid ? HC_ID_FLUID : body ? BODY : HC_ID_BOUNDARY;
+  }
 }
 
 /* Writes a compressed column, a window of whole chunks at a time to bound the memory. The chunks that this

@@ -396,7 +396,7 @@ static void run_scene(hc_job *job, hc_scene *scene, hc_error *error) {
   }
   if (hc_simulation_prepare(simulation, job->comm, job->scene, error) != HC_OK) return;
   hc_gauges_init(&job->gauges, job->comm, job->scene, &simulation->world.frame, &simulation->movers,
-                 simulation->world.mass);
+                 &simulation->bodies, simulation->world.mass);
   job->gauge_values = hc_alloc((size_t)hc_gauges_columns(job->scene), sizeof *job->gauge_values);
   hc_job_register(job);
   if (fill(job, error) == HC_OK) {

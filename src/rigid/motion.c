@@ -84,7 +84,7 @@ static moment moment_at(const hc_motion *motion, double time) {
   moment found;
   memset(&found, 0, sizeof found);
   if (motion->law == HC_MOTION_TABLE) return from_table(motion, time);
-  if (motion->law == HC_MOTION_STILL) return found;
+  if (motion->law == HC_MOTION_STILL || motion->law == HC_MOTION_BODY) return found;
   double factor = time, rate = 1;
   if (motion->law == HC_MOTION_COSINE) {
     const double turns = motion->frequency * time + motion->phase;

@@ -13,6 +13,7 @@ typedef enum hc_motion_law {
   HC_MOTION_STILL,
   HC_MOTION_CONSTANT, /* shift and turns grow with the time since the start */
   HC_MOTION_COSINE,   /* shift and turns times cos(2 pi (f t + phase)) - cos(2 pi phase) */
+  HC_MOTION_BODY,     /* as a rigid body goes (bodies.h): its poses are not made here */
   HC_MOTION_TABLE     /* between the rows of a table, before the first and behind the last as there */
 } hc_motion_law;
 
@@ -35,7 +36,9 @@ typedef struct hc_motion {
 
 /* Where it stands and how it moves. A point that pose zero has at X is at X + shift + turn (X - centre). */
 typedef struct hc_pose {
-  double shift[3];    /* m */
+  int64_t
+      units[3];    /* of the frame, beside the shift: of bodies, whose places are exact however far they go */
+  double shift[3]; /* m */
   double turn[3][3];  /* the rotation less the identity: exactly 0 without a turn */
   double velocity[3]; /* m/s, of what was at the centre */
   double spin[3];     /* rad/s, about it */

@@ -22,6 +22,7 @@ void hc_movers_free(hc_movers *movers) {
 }
 
 double hc_mover_speed(const hc_mover *wall, double time, double ahead) {
+  if (wall->motion.law == HC_MOTION_BODY) return hc_pose_speed(&wall->given, wall->reach);
   const hc_pose now = hc_motion_pose(&wall->motion, time), then = hc_motion_pose(&wall->motion, time + ahead);
   return fmax(hc_pose_speed(&now, wall->reach), hc_pose_speed(&then, wall->reach));
 }
@@ -32,7 +33,7 @@ static double evaluate(const hc_movers *moving, double time, double ahead, bool 
   for (int k = 0; k < moving->count; k++) {
     const hc_mover *wall = &moving->walls[k];
     speed = fmax(speed, hc_mover_speed(wall, time, ahead));
-    poses[k] = hc_motion_pose(&wall->motion, time);
+    poses[k] = wall->motion.law == HC_MOTION_BODY ? wall->given : hc_motion_pose(&wall->motion, time);
     if (!held) continue;
     memset(poses[k].velocity, 0, sizeof poses[k].velocity);
     memset(poses[k].spin, 0, sizeof poses[k].spin);
@@ -96,7 +97,8 @@ static void place(const hc_frame *frame, const hc_motion *motion, const hc_pose 
   turned(pose, v, leant);
   for (int a = 0; a < 3; a++) {
     const int64_t units = llrint((pose->shift[a] + moved[a]) / frame->unit[a]);
-    boundary->position[3 * (size_t)k + (size_t)a] = hc_frame_wrap(frame, a, reference[a] + units);
+    boundary->position[3 * (size_t)k + (size_t)a] =
+        hc_frame_wrap(frame, a, reference[a] + pose->units[a] + units);
     boundary->normal[3 * (size_t)k + (size_t)a] = (float)(v[a] + leant[a]);
   }
 }
@@ -123,7 +125,8 @@ static void drive(const hc_frame *frame, const hc_motion *motion, const hc_pose 
   for (int a = 0; a < 3; a++) boundary->wall_velocity[3 * (size_t)k + (size_t)a] = (float)velocity[a];
 }
 
-void hc_movers_carry(const hc_movers *movers, int wall, double ahead, double x[3], double direction[3]) {
+void hc_movers_carry(const hc_movers *movers, const hc_frame *frame, int wall, double ahead, double x[3],
+                     double direction[3]) {
   const int found = find(movers, wall);
   if (found < 0) return;
   const hc_pose *const pose = &movers->poses[found];
@@ -133,7 +136,9 @@ void hc_movers_carry(const hc_movers *movers, int wall, double ahead, double x[3
   turned(pose, arm, added);
   for (int a = 0; a < 3; a++) arm[a] += added[a];
   velocity_at(pose, arm, velocity);
-  for (int a = 0; a < 3; a++) x[a] = centre[a] + arm[a] + pose->shift[a] + ahead * velocity[a];
+  for (int a = 0; a < 3; a++)
+    x[a] =
+        centre[a] + arm[a] + pose->shift[a] + (double)pose->units[a] * frame->unit[a] + ahead * velocity[a];
   turned(pose, direction, added);
   for (int a = 0; a < 3; a++) direction[a] += added[a];
 }
@@ -163,7 +168,9 @@ void hc_movers_pose(hc_movers *movers, hc_world *world, double time, double ahea
   movers->posed = !held; /* what was held back is asked for again */
   if (!changed) return;
   world->sweep.walls_move = false;
-  for (int k = 0; k < movers->count; k++) world->sweep.walls_move |= is_moving(&movers->poses[k]);
+  for (int k = 0; k < movers->count; k++) /* bodies yield from rest, too */
+    world->sweep.walls_move |=
+        is_moving(&movers->poses[k]) || (!held && movers->walls[k].motion.law == HC_MOTION_BODY);
   hc_movers_place(movers, &world->frame, world->moving);
   world->stores[HC_STORE_MOVING].moved = true;
 }

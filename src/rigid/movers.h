@@ -1,4 +1,4 @@
-/* What moves boundary samples: so far walls that go as the scene prescribes.
+/* What moves boundary samples: walls that go as the scene prescribes, and bodies (bodies.h).
  *
  * Poses are the same on every rank: rank 0 evaluates the motions and sends them, so that mixed machines
  * agree. Positions and normals follow from the reference that each sample keeps and the pose at a time, never
@@ -13,9 +13,10 @@
 #include "world/world.h"
 
 typedef struct hc_mover {
-  int wall;         /* its number in the scene */
+  int wall;         /* its number among walls and bodies */
   hc_motion motion; /* its rows are the movers' */
   double reach;     /* m: the farthest sample from the motion's centre */
+  hc_pose given;    /* HC_MOTION_BODY: its pose, by whoever moves it */
 } hc_mover;
 
 /* Zeroed: none. */
@@ -47,7 +48,8 @@ void hc_movers_place(const hc_movers *movers, const hc_frame *frame, hc_particle
 /* Where a point that the scene puts on a wall has gone with it, m, and how a direction has turned, by the
  * poses there are; `ahead`, s, later at the velocity that it has. Both stay if the wall stands still. Local.
  */
-void hc_movers_carry(const hc_movers *movers, int wall, double ahead, double x[3], double direction[3]);
+void hc_movers_carry(const hc_movers *movers, const hc_frame *frame, int wall, double ahead, double x[3],
+                     double direction[3]);
 
 /* Finds the poses of a time, s, and places the world's moving samples by them; `held`: as if they stood
  * still. `speed` is then that of the time and of `ahead` later. The next hc_world_place brings cells and

@@ -53,6 +53,12 @@ static const hc_choice motion_types[] = {{"none", HC_WALL_STANDS},
                                          {"cosine", HC_WALL_COSINE},
                                          {"table", HC_WALL_TABLE},
                                          {NULL, 0}};
+static const hc_choice locks[] = {
+    {"x", HC_LOCKED_X},         {"y", HC_LOCKED_Y},     {"z", HC_LOCKED_Z}, {"roll", HC_LOCKED_ROLL},
+    {"pitch", HC_LOCKED_PITCH}, {"yaw", HC_LOCKED_YAW}, {NULL, 0}};
+static const hc_choice force_frames[] = {{"world", HC_FORCE_WORLD}, {"body", HC_FORCE_BODY}, {NULL, 0}};
+static const hc_choice mooring_types[] = {
+    {"line", HC_MOORING_LINE}, {"spring", HC_MOORING_SPRING}, {NULL, 0}};
 static const hc_choice interpolations[] = {
     {"linear", HC_INTERPOLATION_LINEAR}, {"smooth", HC_INTERPOLATION_SMOOTH}, {NULL, 0}};
 static const hc_choice leavings[] = {{"error", HC_LEAVING_ERROR}, {"remove", HC_LEAVING_REMOVE}, {NULL, 0}};
@@ -66,15 +72,29 @@ static const hc_choice decompositions[] = {
 static const hc_choice rebalances[] = {
     {"none", HC_REBALANCE_NONE}, {"slabs", HC_REBALANCE_SLABS}, {"metis", HC_REBALANCE_METIS}, {NULL, 0}};
 
-static const hc_choice gauge_types[] = {
-    {"height", HC_GAUGE_HEIGHT}, {"front", HC_GAUGE_FRONT},     {"pressure", HC_GAUGE_PRESSURE},
-    {"flow", HC_GAUGE_FLOW},     {"force", HC_GAUGE_FORCE},     {"energy", HC_GAUGE_ENERGY},
-    {"volume", HC_GAUGE_VOLUME}, {"density", HC_GAUGE_DENSITY}, {NULL, 0}};
+static const hc_choice gauge_types[] = {{"height", HC_GAUGE_HEIGHT},
+                                        {"front", HC_GAUGE_FRONT},
+                                        {"pressure", HC_GAUGE_PRESSURE},
+                                        {"flow", HC_GAUGE_FLOW},
+                                        {"force", HC_GAUGE_FORCE},
+                                        {"energy", HC_GAUGE_ENERGY},
+                                        {"volume", HC_GAUGE_VOLUME},
+                                        {"density", HC_GAUGE_DENSITY},
+                                        {"body", HC_GAUGE_BODY},
+                                        {"mooring", HC_GAUGE_MOORING},
+                                        {NULL, 0}};
 
-static const char *const gauge_names[] = {
-    [HC_GAUGE_HEIGHT] = "height", [HC_GAUGE_FRONT] = "front",     [HC_GAUGE_PRESSURE] = "pressure",
-    [HC_GAUGE_FLOW] = "flow",     [HC_GAUGE_FORCE] = "force",     [HC_GAUGE_ENERGY] = "energy",
-    [HC_GAUGE_VOLUME] = "volume", [HC_GAUGE_DENSITY] = "density", NULL};
+static const char *const gauge_names[] = {[HC_GAUGE_HEIGHT] = "height",
+                                          [HC_GAUGE_FRONT] = "front",
+                                          [HC_GAUGE_PRESSURE] = "pressure",
+                                          [HC_GAUGE_FLOW] = "flow",
+                                          [HC_GAUGE_FORCE] = "force",
+                                          [HC_GAUGE_ENERGY] = "energy",
+                                          [HC_GAUGE_VOLUME] = "volume",
+                                          [HC_GAUGE_DENSITY] = "density",
+                                          [HC_GAUGE_BODY] = "body",
+                                          [HC_GAUGE_MOORING] = "mooring",
+                                          NULL};
 enum {
   HEIGHT = 1 << HC_GAUGE_HEIGHT,
   FRONT = 1 << HC_GAUGE_FRONT,
@@ -83,7 +103,9 @@ enum {
   FORCE = 1 << HC_GAUGE_FORCE,
   ENERGY = 1 << HC_GAUGE_ENERGY,
   VOLUME = 1 << HC_GAUGE_VOLUME,
-  DENSITY = 1 << HC_GAUGE_DENSITY
+  DENSITY = 1 << HC_GAUGE_DENSITY,
+  BODY = 1 << HC_GAUGE_BODY,
+  MOORING = 1 << HC_GAUGE_MOORING
 };
 
 static const char *const wall_forms[] = {[HC_FORM_BOX] = "box",
@@ -124,7 +146,7 @@ enum {
 #define HC_PARAM(path_, kind_, member_, unit_, fallback_, range_, sentence_, ...)                            \
   {.path = path_,                                                                                            \
    .kind = HC_PARAM_##kind_,                                                                                 \
-   .offset = offsetof(OWNER, member_),                                                                       \
+   .offset = BASE + offsetof(OWNER, member_),                                                                \
    .size = sizeof(((OWNER *)0)->member_),                                                                    \
    .unit = unit_,                                                                                            \
    .fallback = fallback_,                                                                                    \
@@ -132,6 +154,9 @@ enum {
    .sentence = sentence_,                                                                                    \
    __VA_ARGS__},
 #define TABLE(rows) .params = rows, .count = sizeof(rows) / sizeof((rows)[0]), .size = sizeof(OWNER)
+
+/* Where the struct that the rows are of lies in the table's. */
+#define BASE 0
 
 #define OWNER hc_block
 #define HC_BLOCK_PARAMS
@@ -170,6 +195,44 @@ static const hc_param wall_rows[] = {
 static const hc_param_table wall_table = {TABLE(wall_rows), .variants = wall_forms,
                                           .variant_offset = offsetof(hc_wall, form)};
 #undef HC_WALL_PARAMS
+#undef OWNER
+
+#define OWNER hc_scene_force
+#define HC_FORCE_PARAMS
+static const hc_param force_rows[] = {
+#include "params.def"
+};
+static const hc_param_table force_table = {TABLE(force_rows)};
+#undef HC_FORCE_PARAMS
+#undef OWNER
+
+#define OWNER hc_scene_mooring
+#define HC_MOORING_PARAMS
+static const hc_param mooring_rows[] = {
+#include "params.def"
+};
+static const hc_param_table mooring_table = {TABLE(mooring_rows)};
+#undef HC_MOORING_PARAMS
+#undef OWNER
+
+/* A body's rows are those of its surface, and its own. */
+static const hc_param body_rows[] = {
+#undef BASE
+#define BASE offsetof(hc_scene_body, surface)
+#define OWNER hc_wall
+#define HC_SURFACE_PARAMS
+#include "params.def"
+#undef HC_SURFACE_PARAMS
+#undef OWNER
+#undef BASE
+#define BASE 0
+#define OWNER hc_scene_body
+#define HC_BODY_PARAMS
+#include "params.def"
+#undef HC_BODY_PARAMS
+};
+static const hc_param_table body_table = {TABLE(body_rows), .variants = block_forms,
+                                          .variant_offset = offsetof(hc_scene_body, surface.form)};
 #undef OWNER
 
 #define OWNER hc_scene_gauge

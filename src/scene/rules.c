@@ -214,6 +214,18 @@ static void check_wall(hc_scene *scene, int index, const hc_given *given, hc_com
   if (!hc_given_has(given, "name")) snprintf(wall->name, sizeof wall->name, "wall_%d", index);
 }
 
+static void check_body(hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
+  hc_scene_body *const body = &scene->bodies[index];
+  hc_wall *const surface = &body->surface;
+  check_shape(given, &surface->box, &surface->rotation, &surface->cylinder, complaints);
+  check_surface(given, &surface->mesh, &surface->revolution, complaints);
+  check_direction(given, "rotation.axis", body->turned.axis, complaints);
+  surface->inside = HC_INSIDE_SOLID;
+  surface->mesh.closed = surface->revolution.closed = true;
+  hc_source_rules_body(body, given, complaints);
+  if (!hc_given_has(given, "name")) snprintf(surface->name, sizeof surface->name, "body_%d", index);
+}
+
 /* The default of the coefficient and its upper end go by the model. */
 static void complete_viscosity(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
   static const double MOST_SPACINGS = 1.0, USUAL = 0.15;
@@ -230,6 +242,28 @@ static void complete_viscosity(hc_scene *scene, const hc_given *given, hc_compla
                     "%s must be in [0, 1] with model smagorinsky, not %s", key, text);
 }
 
+/* What is given of a wall or body, by its number among both. */
+static const hc_given *given_surface(const hc_scene *scene, const hc_given *given, int number) {
+  const int walls = scene->boundary.wall_count;
+  return number < walls ? &hc_given_value_of(given, "boundary.walls")->items[number]
+                        : &hc_given_value_of(given, "bodies")->items[number - walls];
+}
+
+static void complete_surface(const hc_scene *scene, hc_wall *surface, const hc_given *own,
+                             hc_complaints *complaints) {
+  if (own->bad || hc_given_is_bad(own, "friction_law")) return;
+  if (!hc_given_has(own, "friction_law")) surface->friction_law = scene->boundary.friction_law;
+  if (!hc_given_has(own, "roughness")) surface->roughness = scene->boundary.roughness;
+  if (surface->friction_law == HC_SCENE_FRICTION_ROUGH && surface->roughness == 0.0)
+    require(own, "roughness", "with friction_law rough", complaints);
+  if (scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR &&
+      (surface->friction_law == HC_SCENE_FRICTION_NO_SLIP) !=
+          (hc_scene_surface(scene, 0)->friction_law == HC_SCENE_FRICTION_NO_SLIP))
+    hc_complaints_add(complaints, hc_given_place_of(own, "friction_law"),
+                      "%sfriction_law: with laminar viscosity all walls must be no_slip, or none",
+                      own->prefix);
+}
+
 /* The friction of walls, by what the scene says and else by what goes with its viscosity. */
 static void complete_friction(hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
   const bool laminar = scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR;
@@ -244,43 +278,39 @@ static void complete_friction(hc_scene *scene, const hc_given *given, hc_complai
                                                                     : HC_SCENE_FRICTION_SMOOTH;
   if (scene->boundary.friction_law == HC_SCENE_FRICTION_ROUGH && scene->boundary.roughness == 0.0)
     require(given, "boundary.roughness", "with friction_law rough", complaints);
-  const hc_given_value *const walls = hc_given_value_of(given, "boundary.walls");
-  for (int k = 0; k < walls->item_count; k++) {
-    hc_wall *const wall = &scene->boundary.walls[k];
-    const hc_given *const own = &walls->items[k];
-    if (walls->items[k].bad || hc_given_is_bad(own, "friction_law")) continue;
-    if (!hc_given_has(own, "friction_law")) wall->friction_law = scene->boundary.friction_law;
-    if (!hc_given_has(own, "roughness")) wall->roughness = scene->boundary.roughness;
-    if (wall->friction_law == HC_SCENE_FRICTION_ROUGH && wall->roughness == 0.0)
-      require(own, "roughness", "with friction_law rough", complaints);
-    if (laminar && (wall->friction_law == HC_SCENE_FRICTION_NO_SLIP) !=
-                       (scene->boundary.walls[0].friction_law == HC_SCENE_FRICTION_NO_SLIP))
-      hc_complaints_add(complaints, hc_given_place_of(own, "friction_law"),
-                        "%sfriction_law: with laminar viscosity all walls must be no_slip, or none",
-                        own->prefix);
-  }
+  for (int k = 0; k < scene->boundary.wall_count; k++)
+    complete_surface(scene, &scene->boundary.walls[k], given_surface(scene, given, k), complaints);
+  for (int k = 0; k < scene->body_count; k++)
+    complete_surface(scene, &scene->bodies[k].surface,
+                     given_surface(scene, given, scene->boundary.wall_count + k), complaints);
 }
+
+/* A name of a wall or body, by its number among both. */
+typedef struct surface_name {
+  const char *name;
+  int number;
+} surface_name;
 
 static int by_name(const void *left, const void *right) {
-  const hc_wall *a = *(const hc_wall *const *)left, *b = *(const hc_wall *const *)right;
+  const surface_name *const a = left, *const b = right;
   const int order = strcmp(a->name, b->name);
-  return order ? order : (a > b) - (a < b);
+  return order ? order : (a->number > b->number) - (a->number < b->number);
 }
 
-/* `walls` has an instance for each of the scene's. */
-static void check_wall_names(const hc_scene *scene, const hc_given_value *walls, hc_complaints *complaints) {
-  const int count = walls->item_count;
-  const hc_wall **sorted = hc_alloc((size_t)count, sizeof *sorted);
-  for (int k = 0; k < count; k++) sorted[k] = &scene->boundary.walls[k];
+static void check_surface_names(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  const int count = hc_scene_surfaces(scene), walls = scene->boundary.wall_count;
+  surface_name *const sorted = hc_alloc((size_t)count, sizeof *sorted);
+  for (int k = 0; k < count; k++) sorted[k] = (surface_name){hc_scene_surface(scene, k)->name, k};
   qsort(sorted, (size_t)count, sizeof *sorted, by_name);
-  const hc_wall *first = NULL;
-  for (int k = 0; k < count; k++) {
-    if (!first || strcmp(first->name, sorted[k]->name) != 0) first = sorted[k];
-    const hc_given *given = &walls->items[sorted[k] - scene->boundary.walls];
-    if (first != sorted[k] && !given->bad && !hc_given_is_bad(given, "name"))
-      hc_complaints_add(complaints, hc_given_place_of(given, "name"),
-                        "%sname must be the wall's own, not '%s' like wall %d", given->prefix,
-                        sorted[k]->name, (int)(first - scene->boundary.walls));
+  for (int k = 1, first = 0; k < count; k++) {
+    if (strcmp(sorted[first].name, sorted[k].name) != 0) first = k;
+    const hc_given *own = given_surface(scene, given, sorted[k].number);
+    const int like = sorted[first].number;
+    if (first != k && !own->bad && !hc_given_is_bad(own, "name"))
+      hc_complaints_add(complaints, hc_given_place_of(own, "name"),
+                        "%sname must be the %s's own, not '%s' like %s %d", own->prefix,
+                        sorted[k].number < walls ? "wall" : "body", sorted[k].name,
+                        like < walls ? "wall" : "body", like < walls ? like : like - walls);
   }
   hc_free(sorted);
 }
@@ -346,6 +376,20 @@ static void check_radius(const hc_scene *scene, const hc_scene_gauge *gauge, con
                     given->prefix, radius, spacing);
 }
 
+static void check_gauged_body(const hc_scene *scene, const hc_scene_gauge *gauge, const hc_given *given,
+                              hc_complaints *complaints) {
+  const hc_scene_body *body = NULL;
+  for (int k = 0; k < scene->body_count; k++)
+    if (strcmp(scene->bodies[k].surface.name, gauge->body) == 0) body = &scene->bodies[k];
+  if (!body)
+    hc_complaints_add(complaints, hc_given_place_of(given, "body"),
+                      "%sbody must be the name of a body of the scene, not '%s'", given->prefix, gauge->body);
+  else if (gauge->type == HC_GAUGE_MOORING && gauge->mooring >= body->mooring_count)
+    hc_complaints_add(complaints, hc_given_place_of(given, "mooring"),
+                      "%smooring must be below the number of moorings of '%s', %d, not %d", given->prefix,
+                      gauge->body, body->mooring_count, gauge->mooring);
+}
+
 static void check_gauge(hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
   hc_scene_gauge *gauge = &scene->output.gauges[index];
   if (!hc_given_is_bad(given, "at")) complete_point(scene, gauge, given, complaints);
@@ -359,13 +403,15 @@ static void check_gauge(hc_scene *scene, int index, const hc_given *given, hc_co
     check_rectangle(gauge, given, complaints);
   if (hc_given_has(given, "wall") && !hc_given_is_bad(given, "wall")) {
     bool known = false;
-    for (int k = 0; k < scene->boundary.wall_count; k++)
-      known |= strcmp(scene->boundary.walls[k].name, gauge->wall) == 0;
+    for (int k = 0; k < hc_scene_surfaces(scene); k++)
+      known |= strcmp(hc_scene_surface(scene, k)->name, gauge->wall) == 0;
     if (!known)
       hc_complaints_add(complaints, hc_given_place_of(given, "wall"),
-                        "%swall must be the name of a wall of the scene, not '%s'", given->prefix,
+                        "%swall must be the name of a wall or body of the scene, not '%s'", given->prefix,
                         gauge->wall);
   }
+  if (hc_given_has(given, "body") && !hc_given_is_bad(given, "body"))
+    check_gauged_body(scene, gauge, given, complaints);
   if ((gauge->type == HC_GAUGE_FRONT || gauge->type == HC_GAUGE_FLOW) && gauge->axis == 0 &&
       !hc_given_is_bad(given, "axis"))
     hc_complaints_add(complaints, hc_given_place_of(given, "axis"), "%saxis must be a direction, not none",
@@ -408,7 +454,10 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
   const hc_given_value *walls = hc_given_value_of(given, "boundary.walls");
   for (int k = 0; k < walls->item_count; k++)
     if (!walls->items[k].bad) check_wall(scene, k, &walls->items[k], complaints);
-  check_wall_names(scene, walls, complaints);
+  const hc_given_value *bodies = hc_given_value_of(given, "bodies");
+  for (int k = 0; k < bodies->item_count; k++)
+    if (!bodies->items[k].bad) check_body(scene, k, &bodies->items[k], complaints);
+  check_surface_names(scene, given, complaints);
   complete_viscosity(scene, given, complaints);
   complete_friction(scene, given, complaints);
   const hc_given_value *gauges = hc_given_value_of(given, "output.gauges");

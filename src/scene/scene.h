@@ -188,6 +188,53 @@ typedef struct hc_wall {
   double roughness; /* rough: k_s, m */
 } hc_wall;
 
+/* Bits of hc_scene_body.locked: what a body cannot do, along the scene's axes. */
+enum {
+  HC_LOCKED_X = 1,
+  HC_LOCKED_Y = 2,
+  HC_LOCKED_Z = 4,
+  HC_LOCKED_ROLL = 8,
+  HC_LOCKED_PITCH = 16,
+  HC_LOCKED_YAW = 32
+};
+
+typedef enum hc_force_frame { HC_FORCE_WORLD, HC_FORCE_BODY } hc_force_frame;
+
+/* A pull on a body. */
+typedef struct hc_scene_force {
+  double force[3];      /* N */
+  double at[3];         /* m: where the body has the point as it starts, with which it goes on */
+  hc_force_frame frame; /* body: the force turns with it */
+  double start, stop;   /* s; stop 0: never */
+} hc_scene_force;
+
+typedef enum hc_mooring_type { HC_MOORING_LINE, HC_MOORING_SPRING } hc_mooring_type;
+
+/* A line or a spring from a body to a fixed point. */
+typedef struct hc_scene_mooring {
+  hc_mooring_type type;      /* a line only pulls */
+  double at[3];              /* m: as of a force */
+  double anchor[3];          /* m */
+  double length;             /* m: at rest; 0: as long as it is at the start */
+  double stiffness, damping; /* N/m, N s/m */
+} hc_scene_mooring;
+
+/* A rigid body that the fluid moves. Its surface counts as a wall behind those of the boundary. */
+typedef struct hc_scene_body {
+  hc_wall surface;              /* name, shape and friction; what is inside is solid */
+  double density, mass;         /* kg/m3, kg: one is given, the other 0 */
+  double position[3];           /* m: of the centre of mass at the start */
+  hc_rotation turned;           /* at the start, about the centre of mass */
+  double velocity[3];           /* m/s: of the centre of mass at the start */
+  double angular_velocity[3];   /* rad/s */
+  unsigned locked;              /* HC_LOCKED_* bits */
+  double friction, restitution; /* of contact with walls and bodies */
+  hc_scene_force *forces;
+  int force_count;
+  hc_scene_mooring *moorings;
+  int mooring_count;
+} hc_scene_body;
+
 typedef enum hc_gauge_type {
   HC_GAUGE_HEIGHT,
   HC_GAUGE_FRONT,
@@ -196,7 +243,9 @@ typedef enum hc_gauge_type {
   HC_GAUGE_FORCE,
   HC_GAUGE_ENERGY,
   HC_GAUGE_VOLUME,
-  HC_GAUGE_DENSITY
+  HC_GAUGE_DENSITY,
+  HC_GAUGE_BODY,
+  HC_GAUGE_MOORING
 } hc_gauge_type;
 
 /* What a run measures; gauges/gauges.h says how. */
@@ -206,7 +255,9 @@ typedef struct hc_scene_gauge {
   unsigned axis;             /* front, flow: one HC_FACE_* bit; pressure on a wall: 0 or that of the face */
   double at[3];              /* height: x and y; pressure: the point; force: the moment's point */
   hc_box box;                /* front, energy, volume: only what is within; flow: the rectangle */
-  char wall[HC_NAME_LENGTH]; /* pressure, force: the wall's name; pressure: may be empty */
+  char wall[HC_NAME_LENGTH]; /* pressure, force: the name of a wall or body; pressure: may be empty */
+  char body[HC_NAME_LENGTH]; /* body, mooring: the body's name */
+  int mooring;               /* its number among the body's */
   double radius;             /* pressure: of what counts around the point, m; 0: the support radius */
   double mean_over;          /* pressure, flow, force: s; 0: since the last row */
 } hc_scene_gauge;
@@ -323,6 +374,9 @@ typedef struct hc_scene {
     int wall_count;
   } boundary;
 
+  hc_scene_body *bodies;
+  int body_count;
+
   struct {
     hc_solver_method method;
     double density_error_avg; /* fraction of the rest density */
@@ -393,6 +447,15 @@ static inline double hc_scene_shock_rise(const hc_scene *scene) {
   const double given = scene->time_step.adaptive.shock.error_rise;
   return given > 0.0 ? given : 5.0 * scene->solver.density_error_avg;
 }
+
+/* Walls and the surfaces of bodies in one numbering, the bodies' behind the walls': how many there are, and
+ * one of them. */
+int hc_scene_surfaces(const hc_scene *scene);
+const hc_wall *hc_scene_surface(const hc_scene *scene, int number);
+
+/* Is it the surface of a body? Does it stand still for ever? */
+bool hc_scene_is_body(const hc_scene *scene, int number);
+bool hc_scene_stands(const hc_scene *scene, int number);
 
 void hc_scene_free(hc_scene *scene);
 

@@ -8,6 +8,12 @@ static void complain(const hc_given *given, const char *path, hc_complaints *com
   hc_complaints_add(complaints, hc_given_place_of(given, path), "%s%s must %s", given->prefix, path, what);
 }
 
+/* Of an item of a list as a whole. */
+static void complain_of_item(const hc_given *given, hc_complaints *complaints, const char *what) {
+  hc_complaints_add(complaints, given->place, "%.*s must %s",
+                    (int)(given->prefix[0] ? __builtin_strlen(given->prefix) - 1 : 0), given->prefix, what);
+}
+
 /* `stop` 0 is never. */
 static void check_times(const hc_given *given, const char *start_path, const char *stop_path, double start,
                         double stop, hc_complaints *complaints) {
@@ -105,6 +111,21 @@ void hc_source_rules_motion(const hc_wall *wall, const hc_given *given, hc_compl
   if (motion->angular_velocity != 0.0) check_turn(motion, given, complaints);
 }
 
+void hc_source_rules_body(const hc_scene_body *body, const hc_given *given, hc_complaints *complaints) {
+  const hc_given_value *const forces = hc_given_value_of(given, "forces");
+  for (int k = 0; k < forces->item_count; k++)
+    if (!forces->items[k].bad)
+      check_times(&forces->items[k], "start", "stop", body->forces[k].start, body->forces[k].stop,
+                  complaints);
+  if (hc_given_is_bad(given, "density") || hc_given_is_bad(given, "mass") ||
+      hc_given_has(given, "density") != hc_given_has(given, "mass"))
+    return;
+  if (hc_given_has(given, "mass"))
+    complain(given, "mass", complaints, "not be given beside density: one follows from the other");
+  else
+    complain_of_item(given, complaints, "have a density or a mass");
+}
+
 void hc_source_rules_emitter(const hc_scene_emitter *emitter, const hc_given *given,
                              hc_complaints *complaints) {
   const bool disc = emitter->form == HC_EMITTER_DISC;
@@ -118,6 +139,5 @@ void hc_source_rules_emitter(const hc_scene_emitter *emitter, const hc_given *gi
   if (emitter->speed > 0.0)
     complain(given, "rate", complaints, "not be given beside speed: one follows from the other");
   else
-    hc_complaints_add(complaints, given->place, "%.*s must have a speed or a rate",
-                      (int)(given->prefix[0] ? __builtin_strlen(given->prefix) - 1 : 0), given->prefix);
+    complain_of_item(given, complaints, "have a speed or a rate");
 }

@@ -125,8 +125,7 @@ static hc_step_settings *global_settings(const hc_scene *scene) {
 static double individual_longest(const hc_scene *scene) {
   static const double MOST = 4.0;
   bool moves = false;
-  for (int k = 0; k < scene->boundary.wall_count; k++)
-    moves |= scene->boundary.walls[k].motion.type != HC_WALL_STANDS;
+  for (int k = 0; k < hc_scene_surfaces(scene); k++) moves |= !hc_scene_stands(scene, k);
   return (moves ? 1.0 : MOST) * global_longest(scene);
 }
 

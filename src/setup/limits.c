@@ -27,7 +27,7 @@ static void merge(const extent *extent, struct extent *to) {
 static void widen(const hc_frame *frame, const hc_setup_source *sources, int count, extent *to) {
   for (int k = 0; k < count; k++) {
     int64_t low[3], high[3];
-    if (hc_source_count(&sources[k]) == 0) continue;
+    if (hc_source_count(&sources[k]) == 0 || sources[k].start.moved) continue;
     hc_sampling_bounds(&sources[k].sampling, low, high);
     extent source;
     for (int a = 0; a < 3; a++) {
@@ -41,6 +41,13 @@ static void widen(const hc_frame *frame, const hc_setup_source *sources, int cou
 /* Where a moving wall comes to until the end; nowhere if it has no samples. */
 static extent sweep(const hc_scene *scene, const hc_setup_plan *plan, const hc_mover *wall) {
   extent swept = nothing;
+  if (wall->motion.law == HC_MOTION_BODY) { /* as it starts */
+    for (int a = 0; a < 3; a++) {
+      swept.low[a] = wall->motion.centre[a] - wall->reach;
+      swept.high[a] = wall->motion.centre[a] + wall->reach;
+    }
+    return swept;
+  }
   widen(&plan->frame, &plan->boundary[wall->wall], 1, &swept);
   if (swept.low[0] <= swept.high[0])
     hc_prescribed_sweep(&wall->motion, scene->end_time, swept.low, swept.high);
@@ -110,8 +117,8 @@ static hc_status check_motions(const hc_scene *scene, const hc_setup_plan *plan,
         return hc_error_set(error, HC_BAD_INPUT,
                             "%s: must stay within 2^31 support radii of the origin until end_time, not move "
                             "from %g to %g m along %c",
-                            hc_source_wall_name(&scene->boundary.walls[number], number).text, swept.low[a],
-                            swept.high[a], "xyz"[a]);
+                            hc_source_surface_name(scene, number).text, swept.low[a], swept.high[a],
+                            "xyz"[a]);
   }
   return HC_OK;
 }

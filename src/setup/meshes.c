@@ -221,4 +221,17 @@ void hc_setup_meshes_load(void *context, hc_scene *scene, const char *name, hc_f
     set_path(&e, "boundary.walls", k);
     make(&l, &e);
   }
+  for (int k = 0; k < scene->body_count; k++) {
+    hc_wall *const surface = &scene->bodies[k].surface;
+    if (!has_surface(surface->form)) continue;
+    entry e = {.name = hc_source_body_name(&scene->bodies[k], k),
+               .form = surface->form,
+               .mesh = &surface->mesh,
+               .revolution = &surface->revolution,
+               .closed = true,
+               .wall = true,
+               .made = &surface->made};
+    set_path(&e, "bodies", k);
+    make(&l, &e);
+  }
 }

@@ -51,11 +51,35 @@ static void check_wall_density(hc_scene *scene, hc_findings *findings) {
                       hc_setup_solver_ops(scene)->name);
 }
 
+/* The solver's control that a scene has by default: bodies are moved once in a step of the run. */
+static const char *default_control(const hc_scene *scene, const hc_solver_ops *solver) {
+  int k = 0;
+  hc_scene chosen = {.body_count = 0};
+  for (; solver->controls[k + 1] && scene->body_count > 0; k++)
+    if (hc_setup_control_named(solver->controls[k], &chosen.time_step.control) &&
+        !hc_setup_control_ops(&chosen)->in_blocks)
+      break;
+  return solver->controls[k];
+}
+
+static void check_bodies(const hc_scene *scene, hc_findings *findings) {
+  if (scene->body_count == 0) return;
+  if (is_good(findings, "boundary.method") && hc_settings_boundary(scene)->walls != HC_WALLS_MIRRORED)
+    hc_findings_error(findings, "boundary.method",
+                      "boundary.method must be akinci2012 with bodies: the others push them with no force "
+                      "that is known");
+  if (is_good(findings, "time_step.control") && hc_setup_control_ops(scene)->in_blocks)
+    hc_findings_error(findings, "time_step.control",
+                      "time_step.control must not be %s with bodies: they move once in a step of the run, "
+                      "which is a block of many",
+                      hc_setup_control_ops(scene)->name);
+}
+
 static void check_control(hc_scene *scene, hc_findings *findings) {
   const hc_solver_ops *solver = hc_setup_solver_ops(scene);
   if (!solver->controls) return;
   if (!hc_given_has(findings->given, "time_step.control"))
-    hc_setup_control_named(solver->controls[0], &scene->time_step.control);
+    hc_setup_control_named(default_control(scene, solver), &scene->time_step.control);
   else if (!hc_solver_works_with(solver, hc_setup_control_ops(scene)->name))
     hc_findings_error(findings, "time_step.control", "time_step.control must not be %s with solver.method %s",
                       hc_setup_control_ops(scene)->name, solver->name);
@@ -66,6 +90,7 @@ void hc_setup_complete(hc_scene *scene, hc_findings *findings) {
   if (solver && is_good(findings, "boundary.method")) check_walls(scene, findings);
   if (solver && is_good(findings, "boundary.wall_density")) check_wall_density(scene, findings);
   if (solver && control) check_control(scene, findings);
+  if (control) check_bodies(scene, findings);
   if (solver) hc_setup_solver_complete(scene, control && hc_setup_control_ops(scene)->by_errors, findings);
   if (control) hc_setup_control_complete(scene, findings);
 }

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "geometry/parts.h"
+#include "setup/carve.h"
 #include "setup/flow.h"
 #include "setup/union.h"
 
@@ -11,16 +12,18 @@ static hc_status plan_sources(hc_comm *comm, const hc_scene *scene, hc_setup_pla
     const hc_status status =
         hc_source_block(&plan->frame, &scene->fluid.blocks[number], number, source, error);
     if (status) return status;
-    source->first = plan->fluid_count;
-    plan->fluid_count += hc_source_count(source);
   }
   const int layers = hc_setup_layers(scene);
-  for (int number = 0; number < scene->boundary.wall_count; number++) {
+  for (int number = 0; number < hc_scene_surfaces(scene); number++) {
     hc_setup_source *const source = &plan->boundary[plan->boundary_sources++];
-    const hc_status status =
-        hc_source_wall(&plan->frame, &scene->boundary.walls[number], number, layers, source, error);
+    const hc_status status = hc_source_surface(&plan->frame, scene, number, layers, source, error);
     if (status) return status;
-    if (scene->boundary.walls[number].motion.type != HC_WALL_STANDS) source->moves = number + 1;
+  }
+  hc_setup_carve(&plan->frame, plan->fluid, plan->fluid_sources, &plan->boundary[scene->boundary.wall_count],
+                 scene->body_count);
+  for (int number = 0; number < plan->fluid_sources; number++) {
+    plan->fluid[number].first = plan->fluid_count;
+    plan->fluid_count += hc_source_count(&plan->fluid[number]);
   }
   hc_union_drop(comm, &plan->frame, plan->boundary, plan->boundary_sources);
   for (int number = 0; number < plan->boundary_sources; number++) {
@@ -33,11 +36,12 @@ static hc_status plan_sources(hc_comm *comm, const hc_scene *scene, hc_setup_pla
 hc_status hc_setup_plan_make(hc_comm *comm, const hc_scene *scene, const hc_frame *frame, hc_setup_plan *plan,
                              hc_error *error) {
   *plan = (hc_setup_plan){0};
-  const int blocks = scene->fluid.block_count, walls = scene->boundary.wall_count;
+  const int blocks = scene->fluid.block_count, walls = hc_scene_surfaces(scene);
   if (blocks > HC_ID_MAX_SOURCES || walls > HC_ID_MAX_SOURCES)
-    return hc_error_set(error, HC_BAD_INPUT,
-                        "fluid.blocks and boundary.walls must have at most 2^%d entries, got %d and %d",
-                        HC_ID_SOURCE_BITS, blocks, walls);
+    return hc_error_set(
+        error, HC_BAD_INPUT,
+        "fluid.blocks, and boundary.walls and bodies, must have at most 2^%d entries, got %d and %d",
+        HC_ID_SOURCE_BITS, blocks, walls);
   *plan = (hc_setup_plan){.frame = *frame,
                           .fluid = hc_alloc((size_t)blocks, sizeof(hc_setup_source)),
                           .boundary = hc_alloc((size_t)walls, sizeof(hc_setup_source))};
@@ -77,6 +81,7 @@ static void place(const hc_setup_plan *plan, const hc_setup_source *source, int6
                   hc_particles *particles, int64_t index) {
   int64_t point[3];
   hc_sampling_point(&source->sampling, k, point);
+  hc_source_put(&plan->frame, source, point);
   const uint64_t id = hc_id_make(source->kind, (uint64_t)source->number, (uint64_t)k);
   particles->id[index] = id;
   for (int a = 0; a < 3; a++) {
@@ -88,6 +93,7 @@ static void place(const hc_setup_plan *plan, const hc_setup_source *source, int6
   if (source->kind != HC_ID_BOUNDARY) return;
   double normal[3];
   hc_source_normal(&plan->frame, source, k, normal);
+  hc_source_turn(source, normal);
   for (int a = 0; a < 3; a++) particles->normal[3 * index + a] = (float)normal[a];
 }
 

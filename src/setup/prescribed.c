@@ -47,7 +47,7 @@ static hc_motion motion_of(const hc_wall_motion *given, hc_motion_row *rows) {
 }
 
 /* From the motion's centre to the farthest corner around the samples, m. */
-static double reach_of(const hc_frame *frame, const hc_setup_source *source, const double centre[3]) {
+double hc_prescribed_reach(const hc_frame *frame, const hc_setup_source *source, const double centre[3]) {
   if (hc_sampling_count(&source->sampling) == 0) return 0.0;
   int64_t low[3], high[3];
   hc_sampling_bounds(&source->sampling, low, high);
@@ -61,7 +61,7 @@ static double reach_of(const hc_frame *frame, const hc_setup_source *source, con
 }
 
 hc_movers hc_prescribed_movers_make(const hc_scene *scene, const hc_setup_plan *plan) {
-  int rows = 0, walls = 0;
+  int rows = 0, walls = scene->body_count;
   for (int k = 0; k < scene->boundary.wall_count; k++) {
     const hc_wall_motion *motion = &scene->boundary.walls[k].motion;
     walls += motion->type != HC_WALL_STANDS;
@@ -75,9 +75,16 @@ hc_movers hc_prescribed_movers_make(const hc_scene *scene, const hc_setup_plan *
     const hc_wall_motion *given = &scene->boundary.walls[k].motion;
     if (given->type == HC_WALL_STANDS) continue;
     *wall = (hc_mover){.wall = k, .motion = motion_of(given, next)};
-    wall->reach = reach_of(&plan->frame, &plan->boundary[k], wall->motion.centre);
+    wall->reach = hc_prescribed_reach(&plan->frame, &plan->boundary[k], wall->motion.centre);
     next += wall->motion.row_count;
     wall++;
+  }
+  for (int k = 0; k < scene->body_count; k++, wall++) {
+    const int number = scene->boundary.wall_count + k;
+    const hc_setup_source *const source = &plan->boundary[number];
+    *wall = (hc_mover){.wall = number, .motion = {.law = HC_MOTION_BODY}};
+    memcpy(wall->motion.centre, source->start.to, sizeof wall->motion.centre);
+    wall->reach = hc_prescribed_reach(&plan->frame, source, source->start.from);
   }
   return made;
 }

@@ -6,7 +6,11 @@
 #include "setup/populate.h"
 #include "sources/emitters.h"
 
-/* The walls that move; `plan` is that of the same scene. Freed with hc_movers_free. Local. */
+/* From a point to the farthest corner around a source's samples, m. Local. */
+double hc_prescribed_reach(const hc_frame *frame, const hc_setup_source *source, const double centre[3]);
+
+/* The walls that move, and the surfaces of bodies; `plan` is that of the same scene. Freed with
+ * hc_movers_free. Local. */
 hc_movers hc_prescribed_movers_make(const hc_scene *scene, const hc_setup_plan *plan);
 
 /* Widens a box of positions, m, to where the motion brings it until a time. Local. */

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "geometry/surface.h"
+#include "setup/bodies.h"
 #include "setup/controls.h"
 #include "setup/limits.h"
 #include "setup/prescribed.h"
@@ -487,6 +488,7 @@ void hc_setup_review(const hc_scene *scene, hc_findings *findings) {
   }
   if (r.block_count == scene->fluid.block_count) hc_setup_control_review(scene, findings);
   if (all_walls && r.block_count == scene->fluid.block_count) review_gauges(&r);
+  if (all_walls) hc_setup_bodies_review(scene, &r.frame, findings);
   for (int b = 0; b < r.block_count; b++) hc_source_free(&r.blocks[b]);
   for (int w = 0; w < r.wall_count; w++) hc_source_free(&r.walls[w]);
   hc_free(r.blocks);

@@ -1,6 +1,7 @@
 #include "scene_input.h"
 
 #include "base/memory.h"
+#include "setup/bodies.h"
 #include "setup/meshes.h"
 #include "setup/methods.h"
 #include "setup/motions.h"
@@ -12,6 +13,7 @@
 static void load_files(void *context, hc_scene *scene, const char *name, hc_findings *findings) {
   hc_setup_motions_load(context, scene, name, findings);
   hc_setup_meshes_load(context, scene, name, findings);
+  hc_setup_bodies_complete(scene, findings);
 }
 
 hc_scene_limits hc_scene_input_limits(const char **names) {

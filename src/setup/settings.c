@@ -35,7 +35,7 @@ double hc_settings_flat_wall(const hc_scene *scene) {
 }
 
 static hc_friction_law law_of(const hc_scene *scene, int wall) {
-  switch (scene->boundary.walls[wall].friction_law) {
+  switch (hc_scene_surface(scene, wall)->friction_law) {
   case HC_SCENE_FRICTION_NONE:
     break;
   case HC_SCENE_FRICTION_NO_SLIP:
@@ -49,18 +49,18 @@ static hc_friction_law law_of(const hc_scene *scene, int wall) {
 }
 
 bool hc_settings_no_slip(const hc_scene *scene) {
-  const int count = scene->boundary.wall_count;
+  const int count = hc_scene_surfaces(scene);
   return scene->fluid.viscosity.model == HC_VISCOSITY_LAMINAR && count > 0 &&
          law_of(scene, 0) == HC_FRICTION_NO_SLIP; /* all, or none */
 }
 
 hc_wall_friction *hc_settings_friction(const hc_scene *scene) {
-  const int count = scene->boundary.wall_count;
+  const int count = hc_scene_surfaces(scene);
   if (hc_settings_no_slip(scene)) return NULL;
   hc_wall_friction *const friction = hc_alloc_zero((size_t)count, sizeof *friction);
   bool any = false;
   for (int k = 0; k < count; k++) {
-    friction[k] = (hc_wall_friction){law_of(scene, k), scene->boundary.walls[k].roughness};
+    friction[k] = (hc_wall_friction){law_of(scene, k), hc_scene_surface(scene, k)->roughness};
     any |= friction[k].law != HC_FRICTION_NONE;
   }
   if (any) return friction;
@@ -69,11 +69,12 @@ hc_wall_friction *hc_settings_friction(const hc_scene *scene) {
 }
 
 bool hc_settings_friction_differs(const hc_scene *scene) {
-  const hc_wall *const walls = scene->boundary.walls;
-  for (int k = 1; k < scene->boundary.wall_count; k++)
-    if (walls[k].friction_law != walls[0].friction_law || walls[k].roughness < walls[0].roughness ||
-        walls[k].roughness > walls[0].roughness)
+  for (int k = 1; k < hc_scene_surfaces(scene); k++) {
+    const hc_wall *const first = hc_scene_surface(scene, 0), *const other = hc_scene_surface(scene, k);
+    if (other->friction_law != first->friction_law || other->roughness < first->roughness ||
+        other->roughness > first->roughness)
       return true;
+  }
   return false;
 }
 
@@ -83,8 +84,8 @@ hc_step_report hc_settings_start_report(const hc_scene *scene, double v2_max) {
 
 unsigned hc_settings_features(const hc_scene *scene) {
   unsigned features = hc_setup_solver_ops(scene)->features | hc_settings_boundary(scene)->features;
-  for (int k = 0; k < scene->boundary.wall_count; k++)
-    if (scene->boundary.walls[k].motion.type != HC_WALL_STANDS) features |= HC_FOR_MOVERS;
+  for (int k = 0; k < hc_scene_surfaces(scene); k++)
+    if (!hc_scene_stands(scene, k)) features |= HC_FOR_MOVERS;
   if (scene->time_step.control == HC_TIME_INDIVIDUAL) features |= HC_FOR_INDIVIDUAL;
   return features;
 }

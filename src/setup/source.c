@@ -2,6 +2,7 @@
 
 #include "base/check.h"
 #include "geometry/round.h"
+#include "geometry/solid.h"
 #include "geometry/surface_sampling.h"
 #include "setup/trace.h"
 
@@ -30,6 +31,18 @@ hc_source_name hc_source_wall_name(const hc_wall *wall, int number) {
   if (wall->name[0])
     snprintf(name.text + length, sizeof name.text - (size_t)length, " \"%.*s\"", HC_NAME_LENGTH, wall->name);
   return name;
+}
+
+hc_source_name hc_source_body_name(const hc_scene_body *body, int number) {
+  hc_source_name name;
+  snprintf(name.text, sizeof name.text, "bodies[%d] \"%.*s\"", number, HC_NAME_LENGTH, body->surface.name);
+  return name;
+}
+
+hc_source_name hc_source_surface_name(const hc_scene *scene, int number) {
+  const int walls = scene->boundary.wall_count;
+  return number < walls ? hc_source_wall_name(&scene->boundary.walls[number], number)
+                        : hc_source_body_name(&scene->bodies[number - walls], number - walls);
 }
 
 static bool in_reach(const hc_frame *frame, double metres) {
@@ -244,19 +257,27 @@ int hc_setup_layers(const hc_scene *scene) {
   HC_CHECK(false, "unknown boundary method %d", (int)scene->boundary.method);
 }
 
-hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number, int layers,
-                         hc_setup_source *source, hc_error *error) {
+static form form_of_wall(const hc_wall *wall) {
+  return (form){wall->form,    &wall->box, &wall->rotation,   &wall->cylinder,
+                &wall->sphere, wall->open, wall->made.surface};
+}
+
+hc_shape hc_source_wall_shape(const hc_wall *wall) {
+  const form f = form_of_wall(wall);
+  return shape_of(&f);
+}
+
+/* `name`: what messages call it. */
+static hc_status make_wall(const hc_frame *frame, const hc_wall *wall, int number, int layers,
+                           const char *name, hc_setup_source *source, hc_error *error) {
   const bool plane = wall->form == HC_FORM_PLANE;
   *source = (hc_setup_source){.kind = HC_ID_BOUNDARY,
                               .number = number,
                               .layers = layers,
                               .off = layers > 1 ? off_second : rounding,
                               .solid = !plane && wall->inside == HC_INSIDE_SOLID};
-  const hc_source_name name = hc_source_wall_name(wall, number);
-  const form f = {wall->form,    &wall->box, &wall->rotation,   &wall->cylinder,
-                  &wall->sphere, wall->open, wall->made.surface};
-  const hc_status status =
-      plane ? check_plane(frame, wall, name.text, error) : check_form(frame, &f, name.text, error);
+  const form f = form_of_wall(wall);
+  const hc_status status = plane ? check_plane(frame, wall, name, error) : check_form(frame, &f, name, error);
   if (status) return status;
   if (is_surface(wall->form)) {
     source->off = layers > 1 ? 1.5 : 0.5; /* at mitred edges */
@@ -267,7 +288,62 @@ hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number,
   for (int l = 0; l < layers; l++)
     source->layer[l] = hc_shape_layer(&source->shape, hc_trace_spacing(frame), source->solid, l);
   source->sampling = sample_wall(&lattice, wall, &f, source);
-  return check_sampling(frame, &source->sampling, !plane, name.text, error);
+  return check_sampling(frame, &source->sampling, !plane, name, error);
+}
+
+hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number, int layers,
+                         hc_setup_source *source, hc_error *error) {
+  const hc_status status =
+      make_wall(frame, wall, number, layers, hc_source_wall_name(wall, number).text, source, error);
+  if (wall->motion.type != HC_WALL_STANDS) source->moves = number + 1;
+  return status;
+}
+
+/* Where a body starts, from where its shape is. */
+static hc_start start_of(const hc_scene_body *body, const hc_shape *shape) {
+  const hc_solid solid = hc_solid_of(shape);
+  const hc_rotation *const turned = &body->turned;
+  const double low[3] = {0.0, 0.0, 0.0}, high[3] = {1.0, 1.0, 1.0};
+  const hc_shape axes = hc_shape_box(low, high, turned->axis, turned->angle / 360, 0);
+  hc_start start = {.moved = turned->angle != 0.0};
+  for (int a = 0; a < 3; a++) {
+    for (int b = 0; b < 3; b++) start.turn[a][b] = axes.axes[b][a];
+    start.from[a] = solid.centre[a];
+    start.to[a] = body->position[a];
+    start.moved |= start.to[a] != start.from[a];
+  }
+  return start;
+}
+
+hc_status hc_source_surface(const hc_frame *frame, const hc_scene *scene, int number, int layers,
+                            hc_setup_source *source, hc_error *error) {
+  const hc_wall *const surface = hc_scene_surface(scene, number);
+  if (!hc_scene_is_body(scene, number)) return hc_source_wall(frame, surface, number, layers, source, error);
+  const hc_scene_body *const body = &scene->bodies[number - scene->boundary.wall_count];
+  const hc_status status =
+      make_wall(frame, surface, number, layers, hc_source_surface_name(scene, number).text, source, error);
+  source->moves = number + 1;
+  if (!status) source->start = start_of(body, &source->shape);
+  return status;
+}
+
+void hc_source_put(const hc_frame *frame, const hc_setup_source *source, int64_t point[3]) {
+  const hc_start *const start = &source->start;
+  if (!start->moved) return;
+  double arm[3];
+  for (int a = 0; a < 3; a++)
+    arm[a] = (double)(point[a] - hc_frame_to_units(frame, a, start->from[a])) * frame->unit[a];
+  hc_source_turn(source, arm);
+  for (int a = 0; a < 3; a++)
+    point[a] = hc_frame_to_units(frame, a, start->to[a]) + llrint(arm[a] / frame->unit[a]);
+}
+
+void hc_source_turn(const hc_setup_source *source, double direction[3]) {
+  if (!source->start.moved) return;
+  const double v[3] = {direction[0], direction[1], direction[2]};
+  for (int a = 0; a < 3; a++)
+    direction[a] =
+        source->start.turn[a][0] * v[0] + source->start.turn[a][1] * v[1] + source->start.turn[a][2] * v[2];
 }
 
 void hc_source_free(hc_setup_source *source) {

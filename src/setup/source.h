@@ -9,6 +9,13 @@
 #include "setup/gaps.h"
 #include "space/frame.h"
 
+/* A point of a shape at x starts at to + turn (x - from). */
+typedef struct hc_start {
+  bool moved; /* else it starts where the shape is */
+  double turn[3][3];
+  double from[3], to[3]; /* m: the centre of mass in the shape, and at the start */
+} hc_start;
+
 typedef struct hc_setup_source {
   hc_sampling sampling;
   hc_gaps gaps; /* samples of it that are left out */
@@ -24,6 +31,7 @@ typedef struct hc_setup_source {
   double off;                       /* walls: spacings by which samples may lie off their layer */
   bool solid;                       /* walls: an obstacle */
   int64_t moves;                    /* walls that move: number + 1; 0: it stands */
+  hc_start start;                   /* bodies: from where the shape is to where they start */
 } hc_setup_source;
 
 /* What messages call a source: fluid.blocks[2], boundary.walls[1] "tank". */
@@ -33,6 +41,10 @@ typedef struct hc_source_name {
 
 hc_source_name hc_source_block_name(int number);
 hc_source_name hc_source_wall_name(const hc_wall *wall, int number);
+hc_source_name hc_source_body_name(const hc_scene_body *body, int number);
+
+/* Of a wall or body, by its number among both. */
+hc_source_name hc_source_surface_name(const hc_scene *scene, int number);
 
 /* How many layers of samples the scene's walls have, 1 or 2: boundary.layers, or what its method asks for.
  * Local. */
@@ -49,7 +61,17 @@ hc_status hc_source_block(const hc_frame *frame, const hc_block *block, int numb
                           hc_error *error);
 hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number, int layers,
                          hc_setup_source *source, hc_error *error);
+/* The same of the wall or body of that number among both. */
+hc_status hc_source_surface(const hc_frame *frame, const hc_scene *scene, int number, int layers,
+                            hc_setup_source *source, hc_error *error);
 void hc_source_free(hc_setup_source *source);
+
+/* The shape of a wall but a plane, that is well formed. */
+hc_shape hc_source_wall_shape(const hc_wall *wall);
+
+/* Puts a point of the sampling, in units, or turns a direction, as a body starts. Local. */
+void hc_source_put(const hc_frame *frame, const hc_setup_source *source, int64_t point[3]);
+void hc_source_turn(const hc_setup_source *source, double direction[3]);
 
 /* From `x` to the nearest surface on which a wall's samples lie, over all periodic images, m. Local. */
 double hc_source_layer_distance(const hc_frame *frame, const hc_setup_source *wall, const double x[3]);

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "footprint.h"
 #include "particles/ids.h"
+#include "setup/bodies.h"
 #include "setup/controls.h"
 #include "setup/rest_lattice.h"
 #include "setup/settings.h"
@@ -41,6 +42,7 @@ static hc_status check_memory(hc_comm *comm, const hc_scene *scene, const hc_set
 
 /* Puts moving walls where they stand now; `held`: without their speed. */
 static void pose_walls(hc_simulation *simulation, bool held) {
+  hc_bodies_pose(&simulation->bodies, simulation->time, &simulation->movers);
   hc_movers_pose(&simulation->movers, &simulation->world, simulation->time,
                  simulation->control.settings->longest, held);
 }
@@ -71,7 +73,8 @@ static hc_status settle(hc_simulation *simulation, hc_error *error) {
     memset(fluid->velocity, 0, 3 * (size_t)fluid->own * sizeof *fluid->velocity);
     hc_world_update(world);
     if (simulation->solver->evaluate) simulation->solver->evaluate(world, settings, &simulation->report);
-    status = simulation->solver->step(world, settings, dt, step > 0 ? dt : 0.0, &simulation->report, error);
+    status =
+        simulation->solver->step(world, NULL, settings, dt, step > 0 ? dt : 0.0, &simulation->report, error);
   }
   settings->viscosity = viscosity;
   world->sweep.friction = friction;
@@ -130,6 +133,7 @@ static void register_state(hc_simulation *simulation) {
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->capped_at, "capped_at");
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->world.fluid_total, "fluid_total");
   hc_population_register(&simulation->population, state);
+  hc_bodies_register(&simulation->bodies, state);
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_avg, "density_error_avg");
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_max, "density_error_max");
   hc_control_register(&simulation->control, state);
@@ -152,6 +156,7 @@ static hc_status plan_particles(hc_simulation *simulation, hc_error *error) {
     check_memory(simulation->comm, scene, plan, error);
   if (hc_comm_agree(simulation->comm, error) != HC_OK) return error->status;
   simulation->movers = hc_prescribed_movers_make(scene, plan);
+  simulation->bodies = hc_setup_bodies_make(scene, plan, &simulation->world.frame);
   simulation->population.remove = scene->domain.leaving == HC_LEAVING_REMOVE;
   register_state(simulation);
   return HC_OK;
@@ -230,6 +235,8 @@ void hc_simulation_free(hc_simulation *simulation) {
   hc_free(simulation->solver_settings);
   hc_rollback_free(&simulation->rollback);
   hc_movers_free(&simulation->movers);
+  hc_bodies_free(&simulation->bodies);
+  hc_impulses_free(&simulation->loads);
   hc_population_free(&simulation->population);
   hc_state_free(&simulation->state);
   hc_world_free(&simulation->world);
@@ -239,7 +246,7 @@ bool hc_simulation_done(const hc_simulation *simulation) {
   return simulation->time >= simulation->scene->end_time;
 }
 
-/* Bodies will raise v_max here too. */
+/* Bodies are among the movers. */
 hc_step_report hc_simulation_seen_by_control(const hc_simulation *simulation) {
   hc_step_report report = simulation->report;
   report.v_max = fmax(report.v_max, simulation->movers.speed);

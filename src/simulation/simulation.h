@@ -4,11 +4,13 @@
 
 #include "balance.h"
 #include "population.h"
+#include "rigid/contact.h"
 #include "rollback.h"
 #include "scene/scene.h"
 #include "setup/populate.h"
 #include "setup/prescribed.h"
 #include "solver/solver.h"
+#include "solver/yield.h"
 #include "state/moment.h"
 #include "state/state.h"
 #include "stepping/control.h"
@@ -35,6 +37,8 @@ typedef struct hc_simulation {
   hc_step_report report;
   hc_setup_plan plan; /* of the scene's particles; let go once they are there */
   hc_movers movers;
+  hc_bodies bodies;
+  hc_impulses loads; /* of the fluid on bodies, of the step under way */
   hc_population population;
   int64_t capped_at; /* the last step in which the density solver was at its cap; 0: none */
   double imbalance;  /* largest over mean number of own fluid particles at the start */

@@ -1,5 +1,6 @@
 #include "step.h"
 
+#include "base/memory.h"
 #include "failure.h"
 
 #include <string.h>
@@ -23,8 +24,25 @@ static hc_status refuse(hc_simulation *simulation, double dt, hc_verdict why, hc
 static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) {
   const hc_verdict permitted = hc_control_permit(&simulation->control, simulation->time, dt);
   if (permitted != HC_VERDICT_ACCEPT) return refuse(simulation, dt, permitted, error);
-  return simulation->solver->step(&simulation->world, simulation->solver_settings, dt, simulation->dt,
-                                  &simulation->report, error);
+  return simulation->solver->step(&simulation->world, &simulation->bodies, simulation->solver_settings, dt,
+                                  simulation->dt, &simulation->report, error);
+}
+
+/* Bodies go on, by what the fluid and all else has pushed them with. */
+static hc_status move_bodies(hc_simulation *simulation, double dt, hc_error *error) {
+  hc_bodies *const bodies = &simulation->bodies;
+  if (bodies->count == 0) return HC_OK;
+  hc_twist *const before = hc_alloc((size_t)bodies->count, sizeof *before);
+  for (int k = 0; k < bodies->count; k++) before[k] = hc_body_momentum(&bodies->body[k]);
+  if (hc_yield_take_loads(&simulation->loads, bodies, dt, error) == HC_OK) {
+    hc_contact_resolve(bodies, &simulation->world, dt);
+    for (int k = 0; k < bodies->count; k++) {
+      hc_body_expect(bodies, &bodies->body[k], &before[k], dt);
+      hc_body_drift(bodies, &bodies->body[k], dt);
+    }
+  }
+  hc_free(before);
+  return error->status;
 }
 
 /* Behind the move: adds up over the ranks, in one reduction, what all have to say of the step; it fails if
@@ -35,12 +53,14 @@ static hc_status add_up(hc_simulation *simulation, double dt, hc_error *error) {
   hc_move_note(report, &tally);
   hc_population_watch(&simulation->population, &simulation->world, simulation->control.end, &report->fault,
                       &tally);
+  hc_yield_note_loads(&simulation->loads, &simulation->world, &simulation->bodies, dt, &tally);
   if (simulation->company.note) simulation->company.note(simulation->company.caller, dt, &tally);
   int64_t outside = hc_domain_watch_partners(&simulation->world.domain);
   hc_tally_max_i64(&tally, &outside, 1);
   hc_fault_agree(simulation->comm, dt, &tally, &report->fault, error);
   hc_domain_agree_partners(&simulation->world.domain, outside != 0);
   hc_move_report(&simulation->world, report);
+  if (error->status == HC_OK) move_bodies(simulation, dt, error);
   return error->status;
 }
 

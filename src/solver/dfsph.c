@@ -19,6 +19,7 @@
 
 #include "sph/error_rule.h"
 #include "wall_layer.h"
+#include "yield.h"
 
 #include <math.h>
 #include <string.h>
@@ -26,6 +27,7 @@
 /* One of the two solves. */
 typedef struct solve {
   hc_world *world;
+  hc_yield *yield;
   hc_error_rule rule;
   float weight;      /* of velocity corrections: 1 or 1/dt */
   float *multiplier; /* K or k */
@@ -77,7 +79,7 @@ static hc_error_total predict(const solve *solve, prediction which) {
   return total;
 }
 
-/* Corrects velocities by the multipliers in place.scalar. */
+/* Corrects velocities by the multipliers in place.scalar, bodies' too. */
 static void correct(const solve *solve) {
   hc_world *world = solve->world;
   world->sweeps->pressure(&world->sweep, solve->weight, solve->multiplier,
@@ -85,6 +87,7 @@ static void correct(const solve *solve) {
   hc_halo_begin(world->halo, HC_WHOLE(motion));
   world->sweeps->pressure(&world->sweep, solve->weight, solve->multiplier,
                           hc_select_interior(world->listed, world->fluid));
+  hc_yield_act(solve->yield);
   hc_halo_end(world->halo);
 }
 
@@ -93,12 +96,16 @@ static void correct(const solve *solve) {
 static solved iterate(const solve *solve, prediction first) {
   hc_world *world = solve->world;
   const double particles = world->fluid_total > 0 ? (double)world->fluid_total : 1.0;
+  hc_tally pushes = {.count = 0}; /* on bodies, of the correction to come */
   predict(solve, first);
+  hc_yield_note(solve->yield, (double)solve->weight, &pushes);
+  hc_tally_reduce(world->comm, &pushes);
   correct(solve);
   solved result = {0};
   for (;; result.iterations++) {
     const hc_error_total total = predict(solve, AGAIN);
-    result.average = hc_reduce_errors(world->comm, &total, NULL, &result.max) / particles;
+    hc_yield_note(solve->yield, (double)solve->weight, &pushes);
+    result.average = hc_reduce_errors(world->comm, &total, &pushes, &result.max) / particles;
     result.broken = !isfinite(result.average);
     if (result.broken || (result.average <= solve->threshold && result.iterations >= solve->min)) break;
     result.capped = result.iterations >= solve->max;
@@ -109,9 +116,10 @@ static solved iterate(const solve *solve, prediction first) {
 }
 
 /* Algorithm 4: the average of positive density rates goes below divergence_error/dt. */
-static solved correct_divergence_error(hc_world *world, const hc_dfsph_settings *settings, double dt,
-                                       double dt_before) {
+static solved correct_divergence_error(hc_world *world, hc_yield *yield, const hc_dfsph_settings *settings,
+                                       double dt, double dt_before) {
   const solve solve = {.world = world,
+                       .yield = yield,
                        .rule = {.of_rate = 1.0f,
                                 .of_gap = settings->gap_rule ? (float)(1.0 / dt) : 0.0f,
                                 .min_neighbors = settings->min_divergence_neighbors,
@@ -127,10 +135,11 @@ static solved correct_divergence_error(hc_world *world, const hc_dfsph_settings 
 }
 
 /* Algorithm 3: the average of predicted compressions goes below density_error_avg. */
-static solved correct_density_error(hc_world *world, const hc_dfsph_settings *settings, double dt,
-                                    double dt_before) {
+static solved correct_density_error(hc_world *world, hc_yield *yield, const hc_dfsph_settings *settings,
+                                    double dt, double dt_before) {
   const double ratio = dt_before > 0.0 ? dt / dt_before : 0.0;
   const solve solve = {.world = world,
+                       .yield = yield,
                        .rule = {.of_density = 1.0f,
                                 .of_rate = (float)dt,
                                 .signed_error = settings->common.negative_pressure,
@@ -171,8 +180,8 @@ static void store_pressure(hc_particles *fluid, double rest_density, double dt) 
 }
 
 /* Algorithm 2; the neighbourhoods are found by hc_world_update before. */
-static hc_status step(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
-                      hc_step_report *report, hc_error *error) {
+static hc_status step(hc_world *world, hc_bodies *bodies, const hc_solver_settings *settings, double dt,
+                      double dt_before, hc_step_report *report, hc_error *error) {
   const hc_dfsph_settings *own = (const hc_dfsph_settings *)settings;
   memset(report, 0, sizeof *report);
   if (settings->depth_pressure) store_pressure(world->fluid, settings->rest_density, dt_before);
@@ -184,17 +193,28 @@ static hc_status step(hc_world *world, const hc_solver_settings *settings, doubl
   hc_stopwatch_enter(&world->watch, HC_STAGE_DENSITY);
   world->sweeps->density(&world->sweep, world->listed);
   hc_fault_watch_density(world, &report->fault);
+  hc_yield yield;
+  hc_yield_begin(&yield, world, bodies, dt);
+  hc_yield_measure(&yield);
+  hc_yield_soften(&yield);
 
   /* correctDivergenceError(alpha, v) */
   hc_stopwatch_enter(&world->watch, HC_STAGE_DIVERGENCE);
-  const solved divergence = correct_divergence_error(world, own, dt, dt_before);
+  const solved divergence = correct_divergence_error(world, &yield, own, dt, dt_before);
 
   hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);
-  if (!divergence.broken) apply_forces(world, settings, dt, report);
+  if (!divergence.broken) {
+    apply_forces(world, settings, dt, report);
+    hc_yield_accelerate(&yield);
+  }
 
   /* correctDensityError(alpha, v) */
   hc_stopwatch_enter(&world->watch, HC_STAGE_PRESSURE);
-  const solved density = divergence.broken ? divergence : correct_density_error(world, own, dt, dt_before);
+  const solved density =
+      divergence.broken ? divergence : correct_density_error(world, &yield, own, dt, dt_before);
+
+  hc_yield_show(&yield);
+  hc_yield_end(&yield);
 
   /* x += dt * v */
   hc_stopwatch_enter(&world->watch, HC_STAGE_MOVE);

@@ -12,6 +12,7 @@
 
 #include "sph/error_rule.h"
 #include "wall_layer.h"
+#include "yield.h"
 
 #include "base/memory.h"
 
@@ -25,6 +26,7 @@ typedef struct pcisph {
   double dt;
   hc_prediction prediction;
   hc_collision collision;
+  hc_yield yield;
   int64_t held; /* particles in walls at the last prediction */
 } pcisph;
 
@@ -187,6 +189,20 @@ static void find_densities(const pcisph *step) {
   hc_halo_refresh(world->halo, HC_WHOLE(motion));
 }
 
+/* Bodies go on as these pressures push them, and their samples are predicted anew. */
+static void let_yield(pcisph *step) {
+  const hc_world *const world = step->world;
+  if (!step->yield.bodies || step->yield.bodies->count == 0) return;
+  const double volume = world->sweep.volume;
+  hc_tally pushes = {.count = 0};
+  hc_yield_note(&step->yield, step->dt, &pushes);
+  hc_tally_reduce(world->comm, &pushes);
+  predict_walls(step, -1);
+  hc_yield_retry(&step->yield, 2.0 * volume * volume * step->settings->gradient_square);
+  hc_yield_show(&step->yield);
+  predict_walls(step, 1);
+}
+
 /* Predicts and corrects, density_min times or until the errors are small. Returns whether they are numbers.
  */
 static bool iterate(pcisph *step, hc_step_report *report) {
@@ -195,6 +211,7 @@ static bool iterate(pcisph *step, hc_step_report *report) {
   const double particles = world->fluid_total > 0 ? (double)world->fluid_total : 1.0;
   for (;;) {
     const hc_error_total total = predict(step, report->density_iterations > 0);
+    let_yield(step);
     report->density_iterations++;
     if (report->density_iterations == 1) hc_fault_watch_density(world, &report->fault);
     if (report->density_iterations < settings->density_min) continue;
@@ -229,8 +246,8 @@ static hc_move_to finish(pcisph *step) {
 }
 
 /* Algorithms 1 and 2; the neighbourhoods are found by hc_world_update before. */
-static hc_status advance(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
-                         hc_step_report *report, hc_error *error) {
+static hc_status advance(hc_world *world, hc_bodies *bodies, const hc_solver_settings *settings, double dt,
+                         double dt_before, hc_step_report *report, hc_error *error) {
   const hc_pcisph_settings *own = (const hc_pcisph_settings *)settings;
   memset(report, 0, sizeof *report);
   hc_remember_velocities(world);
@@ -265,6 +282,10 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
   }
   hc_wall_layer_list(world, false);
   hc_wall_layer_act(world, settings, dt, 0, world->fluid->own);
+  hc_yield_begin(&step.yield, world, bodies, dt);
+  hc_yield_measure(&step.yield);
+  hc_yield_accelerate(&step.yield);
+  hc_yield_show(&step.yield);
   predict_walls(&step, 1);
 
   /* predict, correct */
@@ -276,6 +297,7 @@ static hc_status advance(hc_world *world, const hc_solver_settings *settings, do
   hc_stopwatch_enter(&world->watch, HC_STAGE_MOVE);
   const hc_move_to to = finish(&step);
   report->contacts = step.held;
+  hc_yield_end(&step.yield);
   return hc_move(world, settings, dt, to, !sound, report, error);
 }
 

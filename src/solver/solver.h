@@ -18,6 +18,7 @@
 #define HC_SOLVER_H
 
 #include "fault.h"
+#include "rigid/bodies.h"
 
 typedef enum hc_viscous_force {
   HC_VISCOUS_NONE,
@@ -93,13 +94,14 @@ typedef struct hc_solver_ops {
    * on every rank, v_max, force_max, the largest acceleration, and the density errors. Collective. Before:
    * hc_world_update. */
   void (*evaluate)(hc_world *world, const hc_solver_settings *settings, hc_step_report *report);
-  /* Advances own particles by dt; dt_before is the last step's, 0 at the first. Collective.
+  /* Advances own particles by dt; dt_before is the last step's, 0 at the first. `bodies` (null: all stand
+   * still) show the velocities with which they yield meanwhile; they are moved by others. Collective.
    * Before: hc_world_update, and evaluate where there is one. After: positions, velocities, pressures new;
    * cells and lists stale; speeds, forces and energies are in the report behind hc_move_report. HC_FAILED,
    * agreed, as fault.h says; the fault is in the report then, and velocities, densities, pressures and
    * accelerations are those it was found with, positions those of the step's beginning. */
-  hc_status (*step)(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
-                    hc_step_report *report, hc_error *error);
+  hc_status (*step)(hc_world *world, hc_bodies *bodies, const hc_solver_settings *settings, double dt,
+                    double dt_before, hc_step_report *report, hc_error *error);
   /* Fills densities (and what goes with them) at the present positions, as steps do. Collective. Before:
    * hc_world_update. */
   void (*densities)(hc_world *world, const hc_solver_settings *settings);

@@ -10,6 +10,7 @@
 #include "sph/kernel.h"
 #include "wall_drag.h"
 #include "wall_layer.h"
+#include "wall_weight.h"
 
 #include <math.h>
 #include <string.h>
@@ -43,26 +44,13 @@ typedef struct pusher {
   int32_t i;
   pair *pairs;
   int32_t count;
-  double squared[3];    /* N/D_0, where wall densities go with the square; see hc_sweep.flat_wall */
+  double squared[3];    /* see hc_wall_weight_normal */
   const float *contact; /* null: none */
   const hc_touch *touch;
   bool any;    /* in front of no face: all samples share alike */
   double l[3]; /* see above */
   double rubs; /* sum of the shares in friction */
 } pusher;
-
-static void find_squared(pusher *p) {
-  const hc_sweep *const sweep = p->sweep;
-  memset(p->squared, 0, sizeof p->squared);
-  if (sweep->flat_wall == 0.0f) return;
-  for (int32_t k = 0; k < p->count; k++) {
-    const pair *const pair = &p->pairs[k];
-    const hc_record *const n = &sweep->boundary->facing[pair->b];
-    const double weight = hc_kernel_shape(pair->q) * (double)sweep->kernel / (double)sweep->flat_wall *
-                          (double)sweep->boundary->place[pair->b].scalar * fabs((double)n->scalar);
-    for (int axis = 0; axis < 3; axis++) p->squared[axis] += weight * (double)n->v[axis];
-  }
-}
 
 /* The pressure that a particle pushes with. */
 static double push_of(const hc_sweep *sweep, int32_t i) {
@@ -78,10 +66,8 @@ static double strength(const hc_sweep *sweep, int32_t i, const pair *pair, const
   const hc_particles *fluid = sweep->fluid, *boundary = sweep->boundary;
   switch (sweep->walls_add) {
   case HC_WALLS_MIRRORED: {
-    const hc_record *const n = &boundary->facing[pair->b];
-    double weight = 1.0, depth = 0.0;
-    if (sweep->flat_wall > 0.0f && n->scalar != 0.0f)
-      weight = 2.0 * fabs((double)n->scalar) * along(n->v, squared);
+    const double weight = hc_wall_weight(sweep, pair->b, squared);
+    double depth = 0.0;
     if (touch) depth = -(double)sweep->rest_density * (double)sweep->support * along(touch->depth, pair->d);
     return (push_of(sweep, i) * weight + depth) * (double)boundary->place[pair->b].scalar;
   }
@@ -189,7 +175,7 @@ static bool look_at_pairs(pusher *p, double dt) {
   const double of_change = -(double)sweep->rest_density * sweep->volume / dt;
   double sum[3] = {0.0, 0.0, 0.0};
   bool pushes = false;
-  find_squared(p);
+  hc_wall_weight_normal(sweep, p->i, p->squared);
   for (int axis = 0; axis < 3 && p->contact; axis++) sum[axis] = of_change * (double)p->contact[axis];
   for (int32_t k = 0; k < p->count; k++) {
     pair *const pair = &p->pairs[k];

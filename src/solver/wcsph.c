@@ -57,9 +57,10 @@ static void accelerate(hc_world *world, double dt) {
     }
 }
 
-static hc_status step(hc_world *world, const hc_solver_settings *settings, double dt, double dt_before,
-                      hc_step_report *report, hc_error *error) {
+static hc_status step(hc_world *world, hc_bodies *bodies, const hc_solver_settings *settings, double dt,
+                      double dt_before, hc_step_report *report, hc_error *error) {
   const hc_wcsph_settings *const own = own_of(settings);
+  (void)bodies; /* pressures follow from densities: they need not know how bodies yield */
   (void)dt_before;
   if (own->individual.on)
     return hc_individual_advance(world, &own->weak, &own->individual, dt, report, error);

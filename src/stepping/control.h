@@ -5,7 +5,7 @@
  *   required   name, when, speed_key, longest_key, next
  *   optional   usual    default: 0.4 spacings at that speed
  *              still    default: the longest step
- *              foreseen, by_errors  default: false
+ *              foreseen, in_blocks, by_errors  default: false
  *              goes_on     default: false
  *   all or none  goes_back, judge, restart, most_restarts: steps may be taken back. Without them every step
  * that did not fail counts, and one that failed ends the run. Its settings begin with the common ones. All
@@ -48,6 +48,7 @@ typedef struct hc_control_ops {
   hc_control_when when;
   const char *speed_key, *longest_key; /* what a user lowers in time_step, for high speeds and in general */
   bool foreseen;                       /* the number of steps is known beforehand */
+  bool in_blocks;                      /* a step of the run is a block of steps of particles */
   bool by_errors; /* steps follow the density errors: a solver need not iterate until they are small */
   int goes_back;  /* how many steps are taken back at once, at least: 1 or 2; 0: none ever */
   bool goes_on;   /* once the replays allowed are used up: steps count, and one that fails is the run's end as

@@ -16,4 +16,5 @@ const hc_control_ops hc_control_individual = {.name = "individual",
                                               .when = HC_CONTROL_FROM_STATE,
                                               .speed_key = "velocity",
                                               .longest_key = "max",
+                                              .in_blocks = true,
                                               .next = next};

@@ -1,0 +1,234 @@
+#include "bodies.h"
+
+#include "base/memory.h"
+#include "geometry/solid.h"
+#include "geometry/vector.h"
+#include "setup/carve.h"
+#include "setup/prescribed.h"
+#include "setup/trace.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- what follows from shapes ---- */
+
+static bool is_made(const hc_wall *surface) {
+  return (surface->form != HC_FORM_MESH && surface->form != HC_FORM_REVOLUTION) || surface->made.surface;
+}
+
+static void complete(hc_scene_body *body, const hc_given *given) {
+  const hc_shape shape = hc_source_wall_shape(&body->surface);
+  const hc_solid solid = hc_solid_of(&shape);
+  if (!hc_given_has(given, "position")) memcpy(body->position, solid.centre, sizeof body->position);
+  const hc_given_value *const forces = hc_given_value_of(given, "forces"), *const moorings =
+                                                                               hc_given_value_of(given,
+                                                                                                 "moorings");
+  for (int k = 0; k < body->force_count; k++)
+    if (!hc_given_has(&forces->items[k], "at"))
+      memcpy(body->forces[k].at, body->position, sizeof body->position);
+  for (int k = 0; k < body->mooring_count; k++) {
+    hc_scene_mooring *const mooring = &body->moorings[k];
+    if (!hc_given_has(&moorings->items[k], "at")) memcpy(mooring->at, body->position, sizeof body->position);
+    double along[3];
+    hc_vector_minus(mooring->anchor, mooring->at, along);
+    if (mooring->length == 0.0) mooring->length = hc_vector_length(along);
+  }
+}
+
+void hc_setup_bodies_complete(hc_scene *scene, hc_findings *findings) {
+  const hc_given_value *const given = hc_given_value_of(findings->given, "bodies");
+  for (int k = 0; k < scene->body_count; k++)
+    if (!given->items[k].bad && is_made(&scene->bodies[k].surface))
+      complete(&scene->bodies[k], &given->items[k]);
+}
+
+/* ---- what cannot be ---- */
+
+typedef struct path {
+  char text[32];
+} path;
+
+static path path_of(int number) {
+  path path;
+  snprintf(path.text, sizeof path.text, "bodies[%d]", number);
+  return path;
+}
+
+/* A body and what it may meet. */
+typedef struct meeting {
+  const hc_frame *frame;
+  const hc_setup_source *body, *other; /* null other: the containers, none of which holds it */
+  const hc_setup_source *walls;
+  int wall_count;
+  double room; /* m */
+  bool found;
+  double x[3];
+} meeting;
+
+/* How far x is off what the body must keep out of. */
+static double clearance_of(const meeting *m, const double x[3]) {
+  if (m->other && m->other->start.moved) return hc_carve_distance(m->frame, m->other, x);
+  if (m->other) return hc_trace_distance(m->frame, hc_shape_distance, &m->other->shape, x);
+  double nearest = INFINITY;
+  for (int w = 0; w < m->wall_count; w++)
+    if (!m->walls[w].solid)
+      nearest = fmin(nearest, hc_trace_distance(m->frame, hc_shape_region_distance, &m->walls[w].shape, x));
+  return nearest == INFINITY ? INFINITY : -nearest;
+}
+
+/* Samples lie half a spacing inside the surface, or in the middle of what is thin. */
+static void look(meeting *m) {
+  m->found = false;
+  const hc_sampling *const sampling = &m->body->sampling; /* of surfaces this rank's share */
+  const int64_t first = sampling->listed ? sampling->listed_first : 0,
+                end = sampling->listed ? sampling->listed_end : hc_sampling_count(sampling);
+  for (int64_t k = first; k < end && !m->found; k++) {
+    int64_t point[3];
+    double x[3];
+    hc_sampling_point(&m->body->sampling, k, point);
+    hc_source_put(m->frame, m->body, point);
+    for (int a = 0; a < 3; a++) x[a] = hc_frame_to_metres(m->frame, a, point[a]);
+    if (clearance_of(m, x) >= m->room) continue;
+    m->found = true;
+    memcpy(m->x, x, sizeof m->x);
+  }
+}
+
+static void review_size(const hc_scene *scene, const hc_setup_source *body, int number,
+                        hc_findings *findings) {
+  const hc_solid solid = hc_solid_of(&body->shape);
+  if (solid.volume > 0.0 && hc_sampling_count(&body->sampling) > 0) return;
+  hc_findings_error(findings, path_of(number).text,
+                    "%s must have a volume, at least a particle_spacing (%g m) thick, not %g m3",
+                    hc_source_body_name(&scene->bodies[number], number).text, scene->particle_spacing,
+                    solid.volume);
+}
+
+static void review_meetings(const hc_scene *scene, const hc_frame *frame, const hc_setup_source *sources,
+                            int number, hc_findings *findings) {
+  static const double LEAST = 0.25; /* spacings between a sample and another surface */
+  const int walls = scene->boundary.wall_count;
+  const hc_setup_source *const body = &sources[walls + number];
+  const hc_source_name name = hc_source_body_name(&scene->bodies[number], number);
+  meeting m = {.frame = frame,
+               .body = body,
+               .walls = sources,
+               .wall_count = walls,
+               .room = LEAST * hc_trace_spacing(frame)};
+  for (int k = 0; k < walls + number; k++) {
+    if (!sources[k].solid) continue;
+    m.other = &sources[k];
+    look(&m);
+    if (!m.found) continue;
+    hc_findings_error(findings, path_of(number).text, "%s must not overlap %s, as at (%.6g, %.6g, %.6g) m",
+                      name.text, hc_source_surface_name(scene, k).text, m.x[0], m.x[1], m.x[2]);
+    return;
+  }
+  m.other = NULL;
+  look(&m);
+  if (m.found)
+    hc_findings_error(findings, path_of(number).text,
+                      "%s must start within the containers of the scene or above their open faces, not "
+                      "reach (%.6g, %.6g, %.6g) m",
+                      name.text, m.x[0], m.x[1], m.x[2]);
+}
+
+void hc_setup_bodies_review(const hc_scene *scene, const hc_frame *frame, hc_findings *findings) {
+  const int count = hc_scene_surfaces(scene);
+  if (scene->body_count == 0) return;
+  hc_setup_source *const sources = hc_alloc((size_t)count, sizeof *sources);
+  int made = 0;
+  hc_error error;
+  bool good = true;
+  for (; made < count; made++) {
+    if (hc_source_surface(frame, scene, made, hc_setup_layers(scene), &sources[made], &error) == HC_OK)
+      continue;
+    good = false;
+    if (hc_scene_is_body(scene, made))
+      hc_findings_error(findings, path_of(made - scene->boundary.wall_count).text, "%s", error.text);
+  }
+  for (int k = 0; k < scene->body_count && good; k++) {
+    review_size(scene, &sources[scene->boundary.wall_count + k], k, findings);
+    review_meetings(scene, frame, sources, k, findings);
+  }
+  for (int k = 0; k < made; k++) hc_source_free(&sources[k]);
+  hc_free(sources);
+}
+
+/* ---- bodies ---- */
+
+/* R I R^T */
+static void turn_inertia(const double turn[3][3], const double own[3][3], double density,
+                         double turned[3][3]) {
+  double half[3][3];
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++)
+      half[a][b] = turn[a][0] * own[0][b] + turn[a][1] * own[1][b] + turn[a][2] * own[2][b];
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++)
+      turned[a][b] = density * (half[a][0] * turn[b][0] + half[a][1] * turn[b][1] + half[a][2] * turn[b][2]);
+}
+
+static void hang(const hc_scene_body *given, hc_body *body) {
+  body->pull_count = given->force_count;
+  body->mooring_count = given->mooring_count;
+  body->pulls = hc_alloc_zero((size_t)given->force_count, sizeof *body->pulls);
+  body->moorings = hc_alloc_zero((size_t)given->mooring_count, sizeof *body->moorings);
+  for (int k = 0; k < given->force_count; k++) {
+    const hc_scene_force *const from = &given->forces[k];
+    hc_pull *const pull = &body->pulls[k];
+    *pull = (hc_pull){.turns = from->frame == HC_FORCE_BODY,
+                      .start = from->start,
+                      .stop = from->stop > 0.0 ? from->stop : INFINITY};
+    memcpy(pull->force, from->force, sizeof pull->force);
+    hc_vector_minus(from->at, given->position, pull->arm);
+  }
+  for (int k = 0; k < given->mooring_count; k++) {
+    const hc_scene_mooring *const from = &given->moorings[k];
+    hc_mooring *const mooring = &body->moorings[k];
+    *mooring = (hc_mooring){.length = from->length,
+                            .stiffness = from->stiffness,
+                            .damping = from->damping,
+                            .pushes = from->type == HC_MOORING_SPRING};
+    memcpy(mooring->anchor, from->anchor, sizeof mooring->anchor);
+    hc_vector_minus(from->at, given->position, mooring->arm);
+  }
+}
+
+static void make(const hc_scene_body *given, const hc_setup_source *source, const hc_frame *frame,
+                 hc_body *body) {
+  const hc_solid solid = hc_solid_of(&source->shape);
+  const double density = given->mass > 0.0 ? given->mass / solid.volume : given->density;
+  *body = (hc_body){.wall = (int)source->number,
+                    .mass = density * solid.volume,
+                    .locked = given->locked,
+                    .friction = given->friction,
+                    .restitution = given->restitution,
+                    .turn = {1.0, 0.0, 0.0, 0.0}};
+  turn_inertia(source->start.turn, solid.inertia, density, body->inertia);
+  body->reach = hc_prescribed_reach(frame, source, source->start.from);
+  hang(given, body);
+  for (int a = 0; a < 3; a++) {
+    body->centre[a] = given->position[a];
+    body->position[a] = hc_frame_to_units(frame, a, given->position[a]);
+    if (!(given->locked >> a & 1)) body->velocity[a] = given->velocity[a];
+  }
+  for (int a = 0; a < 3; a++)
+    if (!(given->locked >> (3 + a) & 1))
+      for (int b = 0; b < 3; b++)
+        if (!(given->locked >> (3 + b) & 1))
+          body->momentum[a] += body->inertia[a][b] * given->angular_velocity[b];
+}
+
+hc_bodies hc_setup_bodies_make(const hc_scene *scene, const hc_setup_plan *plan, const hc_frame *frame) {
+  hc_bodies bodies;
+  hc_bodies_init(&bodies, scene->body_count, frame);
+  bodies.first = scene->boundary.wall_count;
+  memcpy(bodies.gravity, scene->gravity, sizeof bodies.gravity);
+  memcpy(bodies.pole, scene->central_force.center, sizeof bodies.pole);
+  bodies.central_rate = scene->central_force.rate;
+  for (int k = 0; k < scene->body_count; k++)
+    make(&scene->bodies[k], &plan->boundary[bodies.first + k], frame, &bodies.body[k]);
+  return bodies;
+}

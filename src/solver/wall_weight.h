@@ -1,0 +1,36 @@
+/* How samples of walls count for a particle in its wall density's gradient B = sum w_b V_b grad W: as in the
+ * sweeps (sph/pairs.h), pair by pair. */
+#ifndef HC_WALL_WEIGHT_H
+#define HC_WALL_WEIGHT_H
+
+#include "sph/kernel.h"
+#include "sph/sweeps.h"
+
+#include <math.h>
+
+/* N/D_0 where wall densities go with the square (see hc_sweep.flat_wall), else 0. */
+static inline void hc_wall_weight_normal(const hc_sweep *sweep, int32_t i, double normal[3]) {
+  const uint32_t *const row = hc_list_row(sweep->walls, i);
+  normal[0] = normal[1] = normal[2] = 0.0;
+  if (sweep->flat_wall == 0.0f) return;
+  for (int32_t k = 0; k < hc_list_count(sweep->walls, i); k++) {
+    const int32_t b = (int32_t)(row[k] / sizeof(hc_record));
+    const hc_record *const n = &sweep->boundary->facing[b];
+    double d[3];
+    hc_sweep_from_wall(sweep, i, b, d);
+    const double weight = hc_kernel_shape(sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])) *
+                          (double)sweep->kernel / (double)sweep->flat_wall *
+                          (double)sweep->boundary->place[b].scalar * fabs((double)n->scalar);
+    for (int axis = 0; axis < 3; axis++) normal[axis] += weight * (double)n->v[axis];
+  }
+}
+
+/* w_b, by that normal. */
+static inline double hc_wall_weight(const hc_sweep *sweep, int32_t b, const double normal[3]) {
+  const hc_record *const n = sweep->flat_wall > 0.0f ? &sweep->boundary->facing[b] : NULL;
+  if (!n || n->scalar == 0.0f) return 1.0;
+  return 2.0 * fabs((double)n->scalar) *
+         ((double)n->v[0] * normal[0] + (double)n->v[1] * normal[1] + (double)n->v[2] * normal[2]);
+}
+
+#endif
