@@ -14,20 +14,19 @@ static const double SLACK = 0.01;  /* spacings: as deep as things may rest */
 static const double LET_OUT = 0.2; /* of what is deeper than that, a step; */
 static const double FASTEST = 0.1; /* spacings a step: no faster than this */
 static const double BOUNCE = 4.0;  /* steps of falling: who comes in faster bounces */
-static const double DONE = 1e-10;  /* of a spacing a step: changes so small end the solve */
+static const double DONE = 1e-6;   /* of a spacing a step: changes so small end the solve */
 
 enum { DIRECTIONS = 26, KEYS = DIRECTIONS + 1, SIDES = 6, PASSES = 200 };
 
 /* A sample of a body in contact. Zeroed before it is filled: points are compared and sent as bytes. */
 typedef struct point {
-  int32_t body, other; /* numbers of surfaces */
-  int32_t side, key;   /* of the normal; for which it was chosen */
-  uint64_t id;         /* the sample's */
-  double rank;         /* the farther the better, of its key */
-  double arm[3];       /* m: from the body's centre of mass to the place of contact */
-  double normal[3];    /* from the other to the body */
-  double velocity[3];  /* m/s: of the other there, unless it is a body */
-  double gap;          /* m: negative if they overlap */
+  int32_t body, other;  /* numbers of surfaces */
+  int32_t side, unused; /* of the normal */
+  uint64_t id;          /* the sample's */
+  double arm[3];        /* m: from the body's centre of mass to the place of contact */
+  double normal[3];     /* from the other to the body */
+  double velocity[3];   /* m/s: of the other there, unless it is a body */
+  double gap;           /* m: negative if they overlap */
 } point;
 
 typedef struct points {
@@ -41,7 +40,6 @@ typedef struct finder {
   const hc_world *world;
   double spacing, dt; /* m, s */
   hc_neighbors list;
-  points found;
 } finder;
 
 /* ---- which samples touch ---- */
@@ -60,7 +58,7 @@ static void between(const finder *f, const hc_record *a, const hc_record *b, dou
 }
 
 /* The gap between the surface behind sample a and that of sample b of another thing, and its normal; false if
- * the two cannot touch. */
+ * the two cannot touch. Walls of containers are as thick behind as in front. */
 static bool meet(const finder *f, const hc_record *a, int32_t b, double normal[3], double *gap) {
   const hc_particles *const boundary = f->world->boundary;
   const hc_record *const facing = boundary->facing ? &boundary->facing[b] : NULL;
@@ -69,10 +67,11 @@ static bool meet(const finder *f, const hc_record *a, int32_t b, double normal[3
   const double square = hc_vector_dot(d, d);
   if (facing && signbit(facing->scalar)) return false; /* an inner edge: its faces speak for it */
   if (facing && facing->scalar == 1.0f) {
-    for (int axis = 0; axis < 3; axis++) normal[axis] = facing->v[axis];
-    const double height = hc_vector_dot(d, normal), beside = square - height * height;
-    *gap = height - f->spacing;
-    return height > 0.0 && beside <= BESIDE * BESIDE * f->spacing * f->spacing;
+    const double n[3] = {(double)facing->v[0], (double)facing->v[1], (double)facing->v[2]},
+                 height = hc_vector_dot(d, n), beside = square - height * height;
+    for (int axis = 0; axis < 3; axis++) normal[axis] = height < 0.0 ? -n[axis] : n[axis];
+    *gap = fabs(height) - f->spacing;
+    return beside <= BESIDE * BESIDE * f->spacing * f->spacing;
   }
   const double length = sqrt(square);
   for (int axis = 0; axis < 3; axis++) normal[axis] = d[axis] / length;
@@ -135,11 +134,21 @@ static void look_at(finder *f, const hc_body *body, int32_t k, points *nearest) 
 
 /* ---- few that stand for all ---- */
 
-static void direction_of(int key, double direction[3]) {
+/* What touches one thing on one side, by those that stand for it: of each key the best. */
+typedef struct patch {
+  point best[KEYS];
+} patch;
+
+typedef struct patches {
+  patch *at; /* ascending */
+  size_t count, room;
+} patches;
+
+static double rank_of(const point *touching, int key) {
+  if (key == DIRECTIONS) return -touching->gap;
   const int number = key < DIRECTIONS / 2 ? key : key + 1; /* the middle of 27 is none */
-  direction[0] = number % 3 - 1;
-  direction[1] = number / 3 % 3 - 1;
-  direction[2] = number / 9 - 1;
+  return (number % 3 - 1) * touching->arm[0] + (number / 3 % 3 - 1) * touching->arm[1] +
+         (number / 9 - 1) * touching->arm[2];
 }
 
 static int compare_places(const point *a, const point *b) {
@@ -148,55 +157,52 @@ static int compare_places(const point *a, const point *b) {
   return (a->side > b->side) - (a->side < b->side);
 }
 
-/* By what it is for, the best first. */
-static int compare_points(const void *left, const void *right) {
-  const point *const a = left, *const b = right;
-  const int places = compare_places(a, b);
-  if (places) return places;
-  if (a->key != b->key) return a->key < b->key ? -1 : 1;
-  if (a->rank != b->rank) return a->rank > b->rank ? -1 : 1;
-  return (a->id > b->id) - (a->id < b->id);
+/* The patch of a point; a new one has nothing but it. */
+static patch *patch_of(patches *patches, const point *touching) {
+  size_t low = 0, high = patches->count;
+  while (low < high) {
+    const size_t middle = low + (high - low) / 2;
+    if (compare_places(&patches->at[middle].best[0], touching) < 0)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  if (low < patches->count && compare_places(&patches->at[low].best[0], touching) == 0)
+    return &patches->at[low];
+  hc_reserve((void **)&patches->at, &patches->room, 2 * patches->count + 4, patches->count,
+             sizeof *patches->at);
+  memmove(&patches->at[low + 1], &patches->at[low], (patches->count - low) * sizeof *patches->at);
+  patches->count++;
+  for (int key = 0; key < KEYS; key++) patches->at[low].best[key] = *touching;
+  return &patches->at[low];
 }
 
-/* By sample: the same one may stand for several keys. */
-static int compare_samples(const void *left, const void *right) {
-  const point *const a = left, *const b = right;
-  const int places = compare_places(a, b);
-  if (places) return places;
-  if (a->id != b->id) return a->id < b->id ? -1 : 1;
-  return (a->key > b->key) - (a->key < b->key);
-}
-
-static bool is_same(const point *a, const point *b, bool by_key) {
-  return compare_places(a, b) == 0 && (by_key ? a->key == b->key : a->id == b->id);
-}
-
-/* Leaves the first of each. */
-static void thin_out(points *points, bool by_key) {
-  size_t kept = 0;
-  qsort(points->at, points->count, sizeof *points->at, by_key ? compare_points : compare_samples);
-  for (size_t k = 0; k < points->count; k++)
-    if (kept == 0 || !is_same(&points->at[kept - 1], &points->at[k], by_key))
-      points->at[kept++] = points->at[k];
-  points->count = kept;
-}
-
-/* Enters a sample for each key. */
-static void enter(points *found, const point *touching) {
-  hc_reserve((void **)&found->at, &found->room, 2 * found->count + KEYS, found->count, sizeof *found->at);
+/* The farther is the better, then the lower id. */
+static void enter(patches *patches, const point *touching) {
+  patch *const patch = patch_of(patches, touching);
   for (int key = 0; key < KEYS; key++) {
-    point *const entry = &found->at[found->count++];
-    *entry = *touching;
-    double direction[3];
-    direction_of(key, direction);
-    entry->key = key;
-    entry->rank = key < DIRECTIONS ? hc_vector_dot(direction, touching->arm) : -touching->gap;
+    const double now = rank_of(&patch->best[key], key), then = rank_of(touching, key);
+    if (then > now || (!(then < now) && touching->id < patch->best[key].id)) patch->best[key] = *touching;
+  }
+}
+
+/* The points of all patches, each sample of a patch once. */
+static void list_points(const patches *patches, points *list) {
+  list->count = 0;
+  hc_reserve((void **)&list->at, &list->room, KEYS * patches->count + 1, 0, sizeof *list->at);
+  for (size_t k = 0; k < patches->count; k++) {
+    const size_t first = list->count;
+    for (int key = 0; key < KEYS; key++) {
+      const point *const best = &patches->at[k].best[key];
+      size_t same = first;
+      while (same < list->count && list->at[same].id != best->id) same++;
+      if (same == list->count) list->at[list->count++] = *best;
+    }
   }
 }
 
 /* The points of all ranks, the same on each, in an order of their own. */
 static points find_points(hc_bodies *bodies, hc_world *world, double dt) {
-  enum { MANY = 1 << 16 };
   finder f = {.bodies = bodies,
               .world = world,
               .spacing = 2.0 * (double)world->sweep.wall_offset * (double)world->sweep.support,
@@ -208,25 +214,27 @@ static points find_points(hc_bodies *bodies, hc_world *world, double dt) {
   hc_neighbors_init(&f.list);
   hc_neighbors_build(&f.list, &world->search, &stores[HC_STORE_MOVING].cells, moving, hc_select_all(moving),
                      sources, 2);
-  points nearest = {.count = 0}, all = {.count = 0};
+  points nearest = {.count = 0}, list = {.count = 0};
+  patches found = {.count = 0};
   for (int32_t k = 0; k < moving->own; k++) {
     const hc_body *const body = hc_bodies_of(bodies, (int)hc_id_source_of(moving->id[k]));
     if (!body) continue;
     nearest.count = 0;
     look_at(&f, body, k, &nearest);
-    for (size_t n = 0; n < nearest.count; n++) enter(&f.found, &nearest.at[n]);
-    if (f.found.count > MANY) thin_out(&f.found, true);
+    for (size_t n = 0; n < nearest.count; n++) enter(&found, &nearest.at[n]);
   }
-  thin_out(&f.found, true);
+  list_points(&found, &list);
+  point *all;
   size_t bytes;
-  hc_comm_gather_all(world->comm, f.found.at, f.found.count * sizeof *f.found.at, (void **)&all.at, &bytes);
-  all.count = bytes / sizeof *all.at;
-  thin_out(&all, true);
-  thin_out(&all, false);
+  hc_comm_gather_all(world->comm, list.at, list.count * sizeof *list.at, (void **)&all, &bytes);
+  found.count = 0;
+  for (size_t n = 0; n < bytes / sizeof *all; n++) enter(&found, &all[n]);
+  list_points(&found, &list);
   hc_neighbors_free(&f.list);
+  hc_free(all);
   hc_free(nearest.at);
-  hc_free(f.found.at);
-  return all;
+  hc_free(found.at);
+  return list;
 }
 
 /* ---- impulses ---- */

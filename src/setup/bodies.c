@@ -97,12 +97,14 @@ static void look(meeting *m) {
 
 static void review_size(const hc_scene *scene, const hc_setup_source *body, int number,
                         hc_findings *findings) {
+  static const double LEAST = 0.9; /* spacings: as of walls */
   const hc_solid solid = hc_solid_of(&body->shape);
-  if (solid.volume > 0.0 && hc_sampling_count(&body->sampling) > 0) return;
+  const double thickness = hc_source_thickness(body);
+  if (solid.volume > 0.0 && thickness >= LEAST * scene->particle_spacing) return;
   hc_findings_error(findings, path_of(number).text,
-                    "%s must have a volume, at least a particle_spacing (%g m) thick, not %g m3",
+                    "%s must have a volume and be about particle_spacing (%g m) thick, not %g m3 and %g m",
                     hc_source_body_name(&scene->bodies[number], number).text, scene->particle_spacing,
-                    solid.volume);
+                    solid.volume, thickness);
 }
 
 static void review_meetings(const hc_scene *scene, const hc_frame *frame, const hc_setup_source *sources,

@@ -124,16 +124,10 @@ static void review_size(const review *r, const hc_setup_source *block) {
     review_rest(r, block);
     return;
   }
-  const hc_shape *const shape = &block->shape;
-  double thinnest = INFINITY;
-  for (int c = 0; c < hc_shape_components(shape); c++)
-    thinnest =
-        fmin(thinnest, shape->round > 1 && c == 0 ? 2 * shape->high[0] : shape->high[c] - shape->low[c]);
-  for (int a = 0; a < 3 && shape->surface; a++)
-    thinnest = fmin(thinnest, shape->surface->high[a] - shape->surface->low[a]);
   hc_findings_error(r->findings, path_of("fluid.blocks", block->number, "").text,
                     "%s must be thick enough for a particle, at least particle_spacing (%g m), not %g m",
-                    hc_source_block_name((int)block->number).text, r->scene->particle_spacing, thinnest);
+                    hc_source_block_name((int)block->number).text, r->scene->particle_spacing,
+                    hc_source_thickness(block));
 }
 
 static bool review_wall(const review *r, const hc_setup_source *block, const hc_setup_source *wall) {

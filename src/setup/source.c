@@ -377,6 +377,17 @@ void hc_source_normal(const hc_frame *frame, const hc_setup_source *wall, int64_
   hc_shape_sample_normal(&wall->shape, hc_trace_spacing(frame), wall->solid, x, normal);
 }
 
+double hc_source_thickness(const hc_setup_source *source) {
+  const hc_shape *const shape = &source->shape;
+  double thinnest = INFINITY;
+  for (int c = 0; c < hc_shape_components(shape); c++)
+    thinnest =
+        fmin(thinnest, shape->round > 1 && c == 0 ? 2 * shape->high[0] : shape->high[c] - shape->low[c]);
+  for (int a = 0; a < 3 && shape->surface; a++)
+    thinnest = fmin(thinnest, shape->surface->high[a] - shape->surface->low[a]);
+  return thinnest;
+}
+
 int64_t hc_source_count(const hc_setup_source *source) {
   return hc_sampling_count(&source->sampling) - hc_gaps_total(&source->gaps);
 }

@@ -105,7 +105,165 @@ output: {gauges_every: 0.01, gauges: [{name: ball, type: body, body: ball}], sna
     return "total momentum changes by, of the ball's: " + ", ".join(told)
 
 
-CASES = {"bits": bits, "restart": restart, "momentum": momentum}
+def draft(case, steps):
+    """A flat box floats as deep as Archimedes says, and a lighter one does not blow up."""
+    told = []
+    for ratio, method in ((0.5, "dfsph"), (0.1, "dfsph"), (0.8, "pcisph"), (0.5, "wcsph"), (0.1, "wcsph"), (0.2, "pcisph")):
+        spacing, height, bottom = 0.025, 0.1, 0.2 - ratio * 0.1
+        scene = write(case, f"draft_{ratio}_{method}", f"""
+particle_spacing: {spacing}
+gravity: [0, 0, -9.81]
+end_time: 1.5
+fluid: {{viscosity: {{model: artificial, coefficient: 0.1}}, blocks: [{{box: {{min: [0, 0, 0], max: [0.6, 0.6, 0.2]}}}}]}}
+boundary: {{walls: [{{box: {{min: [0, 0, 0], max: [0.6, 0.6, 0.5]}}, inside: fluid, open: [+z]}}]}}
+bodies: [{{name: box, box: {{min: [0.15, 0.15, {bottom}], max: [0.45, 0.45, {bottom + height}]}}, density: {1000 * ratio}}}]
+solver: {{method: {method}}}
+output:
+  gauges_every: 0.02
+  gauges: [{{name: box, type: body, body: box}}, {{name: H, type: height, at: [0.08, 0.3]}}, {{name: G, type: height, at: [0.52, 0.3]}}]
+""")
+        rows = [row for row in gauges(case.run(scene, f"draft_{ratio}_{method}", 2)) if row["time"] > 1]
+        mean = {name: sum(row[name] for row in rows) / len(rows) for name in rows[0]}
+        deep = (mean["H"] + mean["G"]) / 2 - mean["box_z"] + height / 2
+        weight = 1000 * ratio * 0.3 * 0.3 * height * 9.81
+        off = (deep - ratio * height) / spacing
+        c.expect(abs(off) < 0.25 + 0.01 * height / spacing, f"{method}, {ratio}: {deep} m deep, {off} spacings off")
+        c.expect(abs(mean["box_fz"] / weight - 1) < 0.02, f"{method}, {ratio}: the water bears {mean['box_fz']} of {weight} N")
+        c.expect(max(abs(row["box_roll"]) + abs(row["box_pitch"]) for row in rows) < 3, f"{method}, {ratio}: it lists")
+        told.append(f"{ratio} {method} {off:+.2f}")
+    return "drafts off by, in spacings: " + ", ".join(told)
+
+
+CUP = """
+gravity: [0, 0, -9.81]
+fluid: {blocks: [{box: {min: [0, 0, 0], max: [0.1, 0.1, 0.05]}}]}
+"""
+
+
+def stack(case, steps):
+    """Three boxes on top of each other stand; one on a slope slides if it is steeper than its friction."""
+    scene = write(case, "stack", CUP + """
+particle_spacing: 0.025
+end_time: 1
+boundary:
+  walls:
+    - {box: {min: [0, 0, 0], max: [0.1, 0.1, 0.2]}, inside: fluid, open: [+z]}
+    - {plane: {point: [0.8, 0, 0], normal: [0, 0, 1], size: [1, 1]}}
+    - {plane: {point: [-1, 0, 0], normal: [0.4, 0, 1], size: [1.5, 1.5]}}
+bodies:
+  - {name: a, box: {min: [0.6, -0.15, 0], max: [0.9, 0.15, 0.2]}, density: 500}
+  - {name: b, box: {min: [0.62, -0.12, 0.2], max: [0.88, 0.12, 0.4]}, density: 800}
+  - {name: c, box: {min: [0.65, -0.13, 0.4], max: [0.9, 0.1, 0.55]}, density: 1200}
+  - {name: rests, box: {min: [-1.1, 0.1, -0.05], max: [-0.9, 0.3, 0.05]}, position: [-1, 0.2, 0.0539], density: 500, friction: 0.6,
+     rotation: {axis: [0, 1, 0], angle: 21.8014}}
+  - {name: slides, box: {min: [-1.1, -0.3, -0.05], max: [-0.9, -0.1, 0.05]}, position: [-1, -0.2, 0.0539], density: 500, friction: 0.2,
+     rotation: {axis: [0, 1, 0], angle: 21.8014}}
+output:
+  gauges_every: 0.05
+  gauges: [{name: a, type: body, body: a}, {name: b, type: body, body: b}, {name: c, type: body, body: c},
+           {name: rests, type: body, body: rests}, {name: slides, type: body, body: slides}]
+""")
+    rows = gauges(case.run(scene, "stack", 2))
+    spacing, told = 0.025, []
+    for name in "abc":
+        drift = math.dist(*([row[f"{name}_{x}"] for x in "xyz"] for row in (rows[0], rows[-1])))
+        speed = max(abs(row[f"{name}_v{x}"]) for row in rows if row["time"] > 0.8 for x in "xyz")
+        c.expect(drift < 0.1 * spacing and speed < 1e-3, f"{name} drifts by {drift} m, at {speed} m/s at the end")
+        told.append(f"{1e6 * drift:.0f}")
+    drift = abs(rows[-1]["rests_x"] - rows[0]["rests_x"])
+    c.expect(drift < 0.1 * spacing, f"on a slope of 0.4 a box with a friction of 0.6 goes {drift} m")
+    at = next(row for row in rows if row["time"] > 0.3)
+    slope = math.atan(0.4)
+    pull = 9.81 * (math.sin(slope) - 0.2 * math.cos(slope))
+    found = at["slides_vx"] / math.cos(slope) / at["time"]
+    c.expect(abs(found / pull - 1) < 0.05, f"with 0.2 it slides at {found} m/s2, not {pull}")
+    return f"three boxes drift by {', '.join(told)} um; on a slope one rests, one slides at {found:.3f} m/s2 ({pull:.3f})"
+
+
+def walls(case, steps):
+    """Nothing goes through walls or each other at 10 m/s; a ball bounces as its restitution says."""
+    scene = write(case, "walls", CUP + """
+particle_spacing: 0.025
+end_time: 0.5
+boundary:
+  walls:
+    - {box: {min: [0, 0, 0], max: [0.1, 0.1, 0.2]}, inside: fluid, open: [+z]}
+    - {box: {min: [-1, -1, -0.5], max: [1, 1, 1]}, inside: fluid}
+bodies:
+  - {name: a, box: {min: [0.3, 0.3, 0.2], max: [0.5, 0.5, 0.3]}, density: 500, velocity: [10, 3, -4], angular_velocity: [20, 10, 0], restitution: 0.5}
+  - {name: b, sphere: {center: [-0.5, -0.7, 0.5], radius: 0.1}, density: 500, velocity: [-10, 0, 0], restitution: 0.8}
+  - {name: c, sphere: {center: [-0.5, 0.5, 0], radius: 0.08}, density: 5000, velocity: [0, -10, 0]}
+  - {name: d, box: {min: [-0.6, -0.6, -0.2], max: [-0.4, -0.55, 0.2]}, density: 800, velocity: [0, 8, 0]}
+  - {name: e, sphere: {center: [0.6, 0, 0.1], radius: 0.08}, density: 500, velocity: [-10, 0, 0]}
+output:
+  gauges_every: 0.005
+  gauges: [{name: a, type: body, body: a}, {name: b, type: body, body: b}, {name: c, type: body, body: c}, {name: d, type: body, body: d}, {name: e, type: body, body: e}]
+""")
+    rows = gauges(case.run(scene, "walls", 3))
+    low, high, slack = (-1, -1, -0.5), (1, 1, 1), 0.005
+    for name, reach in (("a", 0.05), ("b", 0.1), ("c", 0.08), ("d", 0.025), ("e", 0.08)):
+        for row in rows:
+            inside = all(low[k] + reach - slack < row[f"{name}_{x}"] < high[k] - reach + slack for k, x in enumerate("xyz"))
+            c.expect(inside, f"{name} is at {[row[f'{name}_{x}'] for x in 'xyz']} at {row['time']} s")
+            speed = math.hypot(*(row[f"{name}_v{x}"] for x in "xyz"))
+            c.expect(speed < 16, f"{name} has {speed} m/s at {row['time']} s")
+    back = max(row["b_vx"] for row in rows if row["time"] < 0.08)
+    c.expect(abs(back - 8) < 0.3, f"a ball with a restitution of 0.8 comes back at {back} of 10 m/s")
+    behind = next(row for row in rows if row["e_vx"] > -5)
+    c.expect(behind["e_x"] > 0.17, f"a ball goes into the cup from behind: {behind['e_x']}")
+    return f"five bodies stay in the room; a ball bounces at {back:.2f} of 8 m/s"
+
+
+BAD = (("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}}", "must have a density or a mass"),
+       ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 500, mass: 1}", "mass must not be given beside density"),
+       ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: -5}", "density must be > 0"),
+       ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.1, 0.4]}, density: 5}", "box.max must be > "),
+       ("  - {name: x, sphere: {center: [0.2, 0.2, 0.3], radius: 0.001}, density: 5}", "must have a volume and be about particle_spacing"),
+       ("  - {name: x, box: {min: [0.3, 0.1, 0.3], max: [0.5, 0.2, 0.4]}, density: 5}", "must start within the containers"),
+       ("  - {name: x, box: {min: [1.3, 0.1, 0.3], max: [1.5, 0.2, 0.4]}, density: 5}", "must start within the containers"),
+       ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5}\n"
+        "  - {name: y, box: {min: [0.15, 0.1, 0.3], max: [0.25, 0.2, 0.4]}, density: 5}", 'must not overlap bodies[0] "x"'),
+       ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5}\n"
+        "  - {name: x, box: {min: [0.25, 0.1, 0.3], max: [0.35, 0.2, 0.4]}, density: 5}", "name must be the body's own"),
+       ("  - {name: tank, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5}", "name must be the body's own, not 'tank' like wall 0"),
+       ("  - {name: x, mesh: {file: open.obj}, density: 5}", "edge"),
+       ("  - {name: x, mesh: {file: none.obj}, density: 5}", "none.obj"),
+       ("  - {name: x, plane: {point: [0, 0, 0], normal: [0, 0, 1], size: [1, 1]}, density: 5}", "plane"),
+       ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5, locked: [w]}", "must be one of x, y, z, roll, pitch, yaw"),
+       ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5, moorings: [{anchor: [0, 0, 0]}]}", "stiffness"),
+       ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5, forces: [{force: [1, 0, 0], start: 2, stop: 1}]}", "stop must be > "),
+       ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5, rotation: {axis: [0, 0, 0], angle: 3}}", "rotation.axis must not be zero"),
+       ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5, restitution: 2}", "restitution must be in [0, 1]"))
+TANK = """
+particle_spacing: 0.02
+end_time: 0.1
+fluid: {blocks: [{box: {min: [0, 0, 0], max: [0.4, 0.4, 0.2]}}]}
+boundary: {walls: [{name: tank, box: {min: [0, 0, 0], max: [0.4, 0.4, 0.6]}, inside: fluid, open: [+z]}]}
+"""
+GOOD = "bodies: [{name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 500}]\n"
+
+
+def refused(case, steps):
+    """Bad bodies are errors of the scene, on every rank, with their place."""
+    (case.folder / "open.obj").write_text("v 0.1 0.1 0.3\nv 0.3 0.1 0.3\nv 0.1 0.3 0.3\nv 0.1 0.1 0.5\nf 1 3 2\nf 1 2 4\nf 1 4 3\n",
+                                          encoding="ascii")
+    for number, (bodies, message) in enumerate(BAD):
+        scene = write(case, f"bad_{number}", TANK + "bodies:\n" + bodies + "\n")
+        said = case.call(["check", scene], 1 if number % 4 else 2, expected=2)
+        c.expect(message in said, f"{bodies}: no '{message}' in: {said}")
+        c.expect(f"bad_{number}.yaml:" in said, f"{bodies}: no place in: {said}")
+    good = write(case, "good", TANK + GOOD)
+    case.call(["check", good])
+    for settings, message in ((("boundary.method=ihmsen2010", "solver.method=pcisph"), "must be akinci2012 with bodies"),
+                              (("solver.method=wcsph", "time_step.control=individual"), "must not be individual with bodies"),
+                              (("output.gauges=[{name: g, type: body, body: y}]",), "must be the name of a body of the scene, not 'y'"),
+                              (("output.gauges=[{name: g, type: mooring, body: x}]",), "must be below the number of moorings of 'x', 0")):
+        said = case.call(["check", good, *(word for setting in settings for word in ("--set", setting))], expected=2)
+        c.expect(message in said, f"{settings}: no '{message}' in: {said}")
+    return f"{len(BAD)} bad bodies and 4 settings that do not go with them are refused"
+
+
+CASES = {"bits": bits, "restart": restart, "momentum": momentum, "draft": draft, "stack": stack, "walls": walls, "refused": refused}
 
 if __name__ == "__main__":
     c.main(__doc__, CASES)
