@@ -91,6 +91,16 @@ def main():
         outline = pv.Show(pv.Outline(Input=walls), view)
         outline.AmbientColor = outline.DiffuseColor = [0.35, 0.4, 0.45]
 
+    bodies = particles_of_kind(reader, 2)
+    bodies.UpdatePipeline()
+    if bodies.GetDataInformation().GetNumberOfPoints() > 0:
+        shown = pv.Show(bodies, view)
+        shown.SetRepresentationType("Point Gaussian")
+        shown.ShaderPreset = "Sphere"
+        shown.GaussianRadius = display.GaussianRadius
+        shown.AmbientColor = shown.DiffuseColor = [0.55, 0.53, 0.5]
+        pv.ColorBy(shown, None)
+
     title = pv.Text(Text=os.path.basename(path) if time is None else f"t = {time:.2f} s")
     text = pv.Show(title, view)
     text.Color = [0.1, 0.15, 0.2]

@@ -10,6 +10,7 @@
  * {snapshots, snapshot_bytes, checkpoint_bytes, total_bytes}. Estimates are those of estimate.h. */
 #include "commands.h"
 #include "estimate.h"
+#include "geometry/solid.h"
 #include "io/json.h"
 #include "io/text.h"
 #include "setup/scene_input.h"
@@ -26,6 +27,13 @@ static const char *leaving_name(const hc_scene *scene) {
 }
 
 /* ---- text ---- */
+
+static void put_body(const hc_scene_body *body) {
+  const hc_shape shape = hc_source_wall_shape(&body->surface);
+  const double volume = hc_solid_of(&shape).volume,
+               mass = body->mass > 0.0 ? body->mass : body->density * volume;
+  printf("    a body of         %.6g kg, %.6g kg/m3\n", mass, mass / volume);
+}
 
 static void put_set(const char *name, const hc_estimate_set *set) {
   const double *low = set->low, *high = set->high;
@@ -51,6 +59,7 @@ static void put_particles(const hc_scene *scene, const hc_estimate *estimate) {
   for (int k = 0; k < hc_scene_surfaces(scene); k++) {
     printf("  ");
     put_set(hc_source_surface_name(scene, k).text, &estimate->walls[k]);
+    if (hc_scene_is_body(scene, k)) put_body(&scene->bodies[k - scene->boundary.wall_count]);
     if (estimate->swept[k].count > 0)
       printf("    moves within      (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g) m\n", estimate->swept[k].low[0],
              estimate->swept[k].low[1], estimate->swept[k].low[2], estimate->swept[k].high[0],

@@ -107,6 +107,22 @@ static void review_size(const hc_scene *scene, const hc_setup_source *body, int 
                     solid.volume, thickness);
 }
 
+/* Arms from the centre of mass go to the nearest image. */
+static void review_period(const hc_scene *scene, const hc_frame *frame, const hc_setup_source *body,
+                          int number, hc_findings *findings) {
+  const double reach = hc_prescribed_reach(frame, body, body->start.from);
+  for (int a = 0; a < 3; a++) {
+    const double period = (double)frame->period[a] * frame->unit[a];
+    if (period == 0.0 || reach < 0.5 * period) continue;
+    hc_findings_error(
+        findings, path_of(number).text,
+        "%s must reach less far from its centre of mass, %.6g m, than half the period along %c, "
+        "%.6g m",
+        hc_source_body_name(&scene->bodies[number], number).text, reach, "xyz"[a], 0.5 * period);
+    return;
+  }
+}
+
 static void review_meetings(const hc_scene *scene, const hc_frame *frame, const hc_setup_source *sources,
                             int number, hc_findings *findings) {
   static const double LEAST = 0.25; /* spacings between a sample and another surface */
@@ -152,6 +168,7 @@ void hc_setup_bodies_review(const hc_scene *scene, const hc_frame *frame, hc_fin
   }
   for (int k = 0; k < scene->body_count && good; k++) {
     review_size(scene, &sources[scene->boundary.wall_count + k], k, findings);
+    review_period(scene, frame, &sources[scene->boundary.wall_count + k], k, findings);
     review_meetings(scene, frame, sources, k, findings);
   }
   for (int k = 0; k < made; k++) hc_source_free(&sources[k]);

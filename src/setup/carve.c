@@ -5,6 +5,8 @@
 #include <math.h>
 
 static const double ROOM = 0.5;      /* spacings: as lattices keep from walls */
+static const double AT_THIN = 1.0;   /* spacings: from what is thin */
+static const double THICK = 0.4;     /* spacings inside: where samples are of what is not */
 static const double rounding = 1e-3; /* spacings: what touches does not overlap */
 
 double hc_carve_distance(const hc_frame *frame, const hc_setup_source *body, const double x[3]) {
@@ -27,12 +29,30 @@ double hc_carve_distance(const hc_frame *frame, const hc_setup_source *body, con
   return nearest;
 }
 
+/* Is the body thin there? Where samples should be, half a spacing inside the surface nearest to x, which is
+ * `off` outside. */
+static bool is_thin(const hc_frame *frame, const hc_setup_source *body, const double x[3], double off) {
+  const double spacing = hc_trace_spacing(frame), step = 0.01 * spacing;
+  double slope[3], inside[3], length = 0.0;
+  for (int a = 0; a < 3; a++) {
+    double ahead[3] = {x[0], x[1], x[2]}, back[3] = {x[0], x[1], x[2]};
+    ahead[a] += step;
+    back[a] -= step;
+    slope[a] = hc_carve_distance(frame, body, ahead) - hc_carve_distance(frame, body, back);
+    length += slope[a] * slope[a];
+  }
+  length = sqrt(length);
+  if (length == 0.0) return true;
+  for (int a = 0; a < 3; a++) inside[a] = x[a] - (off + ROOM * spacing) * slope[a] / length;
+  return hc_carve_distance(frame, body, inside) > -THICK * spacing;
+}
+
 /* A block before the bodies. */
 typedef struct carving {
   const hc_frame *frame;
   const hc_setup_source *bodies;
   int count;
-  double room; /* m */
+  double room, at_thin; /* m */
   hc_setup_source *block;
 } carving;
 
@@ -40,21 +60,26 @@ static double clearance(const void *context, const double x[3]) {
   const carving *const c = context;
   double nearest = INFINITY;
   for (int k = 0; k < c->count; k++) nearest = fmin(nearest, hc_carve_distance(c->frame, &c->bodies[k], x));
-  return nearest - c->room;
+  return nearest - c->at_thin;
 }
 
 static bool leave_out(void *context, int64_t k, const int64_t point[3], const double x[3]) {
   (void)point;
-  (void)x;
   const carving *const c = context;
-  hc_gaps_add(&c->block->gaps, k);
+  for (int b = 0; b < c->count; b++) {
+    const double off = hc_carve_distance(c->frame, &c->bodies[b], x);
+    if (off >= c->at_thin || (off >= c->room && !is_thin(c->frame, &c->bodies[b], x, off))) continue;
+    hc_gaps_add(&c->block->gaps, k);
+    break;
+  }
   return true;
 }
 
 void hc_setup_carve(const hc_frame *frame, hc_setup_source *blocks, int block_count,
                     const hc_setup_source *bodies, int body_count) {
   if (body_count == 0) return;
-  carving c = {frame, bodies, body_count, (ROOM - rounding) * hc_trace_spacing(frame), NULL};
+  const double spacing = hc_trace_spacing(frame);
+  carving c = {frame, bodies, body_count, (ROOM - rounding) * spacing, (AT_THIN - rounding) * spacing, NULL};
   for (int b = 0; b < block_count; b++) {
     c.block = &blocks[b];
     hc_trace_run(frame, &blocks[b].sampling, &(hc_trace){&c, clearance, leave_out});

@@ -1,5 +1,6 @@
-/* Fluid makes room for bodies: what of blocks lies within half a spacing of a body as it starts is left out.
- */
+/* Fluid makes room for bodies: what of blocks lies within half a spacing of a body as it starts is left out,
+ * and within a spacing where the body is so thin that its samples lie nearer to the surface than half a
+ * spacing. */
 #ifndef HC_CARVE_H
 #define HC_CARVE_H
 

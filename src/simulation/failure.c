@@ -245,6 +245,12 @@ static void describe_victim(const failure *f, char *text, size_t size) {
 
 void hc_failure_explain(hc_simulation *simulation, double dt, const hc_step_report *before, hc_error *error) {
   const hc_fault fault = simulation->report.fault;
+  if (fault.kind == HC_FAULT_NONE) { /* no particle's: the error says it all */
+    const hc_error found = *error;
+    hc_error_set(error, HC_FAILED, "the simulation failed in step %lld at %.6g s: %.4000s",
+                 (long long)simulation->step + 1, simulation->time, found.text);
+    return;
+  }
   const failure failure = {simulation, before, fault, dt, find_victim(simulation, fault.id)};
   char what[256], cause[512], particle[512] = "";
   snprintf(what, sizeof what, "%.*s", (int)sizeof what - 1, error->text);

@@ -28,6 +28,29 @@ static hc_status advance(hc_simulation *simulation, double dt, hc_error *error) 
                                   simulation->dt, &simulation->report, error);
 }
 
+/* A body that has left the world is stopped where particles would be taken out, else it is a failure. */
+static hc_status watch_body(const hc_simulation *simulation, int number, hc_error *error) {
+  hc_body *const body = &simulation->bodies.body[number];
+  const hc_frame *const frame = &simulation->world.frame;
+  const hc_limits *const limits = &simulation->population.limits;
+  bool beyond = false;
+  for (int axis = 0; axis < 3; axis++) {
+    const double at = hc_frame_to_metres(frame, axis, body->position[axis]);
+    beyond |= at + body->reach < hc_limits_low(limits, frame, axis) ||
+              at - body->reach > hc_limits_high(limits, frame, axis);
+  }
+  if (!beyond) return HC_OK;
+  memset(body->velocity, 0, sizeof body->velocity);
+  memset(body->momentum, 0, sizeof body->momentum);
+  if (simulation->population.remove) return HC_OK;
+  return hc_error_set(
+      error, HC_FAILED,
+      "body \"%s\" has left the world's limits at (%.6g, %.6g, %.6g) m: see domain.limits and "
+      "domain.leaving",
+      simulation->scene->bodies[number].surface.name, hc_frame_to_metres(frame, 0, body->position[0]),
+      hc_frame_to_metres(frame, 1, body->position[1]), hc_frame_to_metres(frame, 2, body->position[2]));
+}
+
 /* Bodies go on, by what the fluid and all else has pushed them with. */
 static hc_status move_bodies(hc_simulation *simulation, double dt, hc_error *error) {
   hc_bodies *const bodies = &simulation->bodies;
@@ -39,6 +62,7 @@ static hc_status move_bodies(hc_simulation *simulation, double dt, hc_error *err
     for (int k = 0; k < bodies->count; k++) {
       hc_body_expect(bodies, &bodies->body[k], &before[k], dt);
       hc_body_drift(bodies, &bodies->body[k], dt);
+      if (watch_body(simulation, k, error) != HC_OK) break;
     }
   }
   hc_free(before);

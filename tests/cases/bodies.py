@@ -243,6 +243,9 @@ boundary: {walls: [{name: tank, box: {min: [0, 0, 0], max: [0.4, 0.4, 0.6]}, ins
 GOOD = "bodies: [{name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 500}]\n"
 
 
+LONG = ("domain.periodic=[false, true, false]", "domain.min=[0, 0, 0]", "domain.max=[0, 0.4, 0]", "bodies[0].box.min=[0.1, 0.01, 0.3]", "bodies[0].box.max=[0.2, 0.39, 0.4]", "boundary.walls[0].open=[-y, +y, +z]")
+
+
 def refused(case, steps):
     """Bad bodies are errors of the scene, on every rank, with their place."""
     (case.folder / "open.obj").write_text("v 0.1 0.1 0.3\nv 0.3 0.1 0.3\nv 0.1 0.3 0.3\nv 0.1 0.1 0.5\nf 1 3 2\nf 1 2 4\nf 1 4 3\n",
@@ -254,13 +257,14 @@ def refused(case, steps):
         c.expect(f"bad_{number}.yaml:" in said, f"{bodies}: no place in: {said}")
     good = write(case, "good", TANK + GOOD)
     case.call(["check", good])
-    for settings, message in ((("boundary.method=ihmsen2010", "solver.method=pcisph"), "must be akinci2012 with bodies"),
+    for settings, message in ((LONG, "than half the period along y, 0.2 m"),
+                              (("boundary.method=ihmsen2010", "solver.method=pcisph"), "must be akinci2012 with bodies"),
                               (("solver.method=wcsph", "time_step.control=individual"), "must not be individual with bodies"),
                               (("output.gauges=[{name: g, type: body, body: y}]",), "must be the name of a body of the scene, not 'y'"),
                               (("output.gauges=[{name: g, type: mooring, body: x}]",), "must be below the number of moorings of 'x', 0")):
         said = case.call(["check", good, *(word for setting in settings for word in ("--set", setting))], expected=2)
         c.expect(message in said, f"{settings}: no '{message}' in: {said}")
-    return f"{len(BAD)} bad bodies and 4 settings that do not go with them are refused"
+    return f"{len(BAD)} bad bodies and 5 settings that do not go with them are refused"
 
 
 CASES = {"bits": bits, "restart": restart, "momentum": momentum, "draft": draft, "stack": stack, "walls": walls, "refused": refused}
