@@ -243,7 +243,7 @@ boundary: {walls: [{name: tank, box: {min: [0, 0, 0], max: [0.4, 0.4, 0.6]}, ins
 GOOD = "bodies: [{name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 500}]\n"
 
 
-LONG = ("domain.periodic=[false, true, false]", "domain.min=[0, 0, 0]", "domain.max=[0, 0.4, 0]", "bodies[0].box.min=[0.1, 0.01, 0.3]", "bodies[0].box.max=[0.2, 0.39, 0.4]", "boundary.walls[0].open=[-y, +y, +z]")
+LONG = ("domain.periodic=[false, true, false]", "domain.min=[0, 0, 0]", "domain.max=[0, 0.4, 0]", "bodies[0].box.min=[0.02, 0.02, 0.3]", "bodies[0].box.max=[0.38, 0.38, 0.4]", "boundary.walls[0].open=[-y, +y, +z]")
 
 
 def refused(case, steps):
