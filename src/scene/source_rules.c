@@ -117,6 +117,10 @@ void hc_source_rules_body(const hc_scene_body *body, const hc_given *given, hc_c
     if (!forces->items[k].bad)
       check_times(&forces->items[k], "start", "stop", body->forces[k].start, body->forces[k].stop,
                   complaints);
+  const double *const gyration = body->gyration;
+  const int given_radii = (gyration[0] > 0.0) + (gyration[1] > 0.0) + (gyration[2] > 0.0);
+  if (!hc_given_is_bad(given, "gyration") && given_radii % 3 != 0)
+    complain(given, "gyration", complaints, "have three radii > 0, or none");
   if (hc_given_is_bad(given, "density") || hc_given_is_bad(given, "mass") ||
       hc_given_has(given, "density") != hc_given_has(given, "mass"))
     return;

@@ -20,7 +20,9 @@ static bool is_made(const hc_wall *surface) {
 static void complete(hc_scene_body *body, const hc_given *given) {
   const hc_shape shape = hc_source_wall_shape(&body->surface);
   const hc_solid solid = hc_solid_of(&shape);
-  if (!hc_given_has(given, "position")) memcpy(body->position, solid.centre, sizeof body->position);
+  if (!hc_given_has(given, "center_of_mass"))
+    memcpy(body->center_of_mass, solid.centre, sizeof body->center_of_mass);
+  if (!hc_given_has(given, "position")) memcpy(body->position, body->center_of_mass, sizeof body->position);
   const hc_given_value *const forces = hc_given_value_of(given, "forces"), *const moorings =
                                                                                hc_given_value_of(given,
                                                                                                  "moorings");
@@ -225,7 +227,12 @@ static void make(const hc_scene_body *given, const hc_setup_source *source, cons
                     .friction = given->friction,
                     .restitution = given->restitution,
                     .turn = {1.0, 0.0, 0.0, 0.0}};
-  turn_inertia(source->start.turn, solid.inertia, density, body->inertia);
+  double inertia[3][3];
+  memcpy(inertia, solid.inertia, sizeof inertia);
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3 && given->gyration[0] > 0.0; b++)
+      inertia[a][b] = a == b ? solid.volume * given->gyration[a] * given->gyration[a] : 0.0;
+  turn_inertia(source->start.turn, inertia, density, body->inertia);
   body->reach = hc_prescribed_reach(frame, source, source->start.from);
   hang(given, body);
   for (int a = 0; a < 3; a++) {

@@ -2,7 +2,6 @@
 
 #include "base/check.h"
 #include "geometry/round.h"
-#include "geometry/solid.h"
 #include "geometry/surface_sampling.h"
 #include "setup/trace.h"
 
@@ -300,15 +299,14 @@ hc_status hc_source_wall(const hc_frame *frame, const hc_wall *wall, int number,
 }
 
 /* Where a body starts, from where its shape is. */
-static hc_start start_of(const hc_scene_body *body, const hc_shape *shape) {
-  const hc_solid solid = hc_solid_of(shape);
+static hc_start start_of(const hc_scene_body *body) {
   const hc_rotation *const turned = &body->turned;
   const double low[3] = {0.0, 0.0, 0.0}, high[3] = {1.0, 1.0, 1.0};
   const hc_shape axes = hc_shape_box(low, high, turned->axis, turned->angle / 360, 0);
   hc_start start = {.moved = turned->angle != 0.0};
   for (int a = 0; a < 3; a++) {
     for (int b = 0; b < 3; b++) start.turn[a][b] = axes.axes[b][a];
-    start.from[a] = solid.centre[a];
+    start.from[a] = body->center_of_mass[a];
     start.to[a] = body->position[a];
     start.moved |= start.to[a] != start.from[a];
   }
@@ -323,7 +321,7 @@ hc_status hc_source_surface(const hc_frame *frame, const hc_scene *scene, int nu
   const hc_status status =
       make_wall(frame, surface, number, layers, hc_source_surface_name(scene, number).text, source, error);
   source->moves = number + 1;
-  if (!status) source->start = start_of(body, &source->shape);
+  if (!status) source->start = start_of(body);
   return status;
 }
 
