@@ -296,11 +296,6 @@ void hc_body_drift(const hc_bodies *bodies, hc_body *body, double dt) {
   compliance_at(body, body->turn, body->compliance);
 }
 
-double hc_body_speed(const hc_body *body) {
-  return sqrt(hc_vector_dot(body->shown.linear, body->shown.linear)) +
-         body->reach * sqrt(hc_vector_dot(body->shown.angular, body->shown.angular));
-}
-
 void hc_body_angles(const hc_body *body, double angles[3]) {
   const double degrees = 180 / 3.14159265358979323846;
   double turn[3][3];

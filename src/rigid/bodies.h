@@ -19,9 +19,6 @@
 #include "movers.h"
 #include "state/state.h"
 
-/* Along the axes of the scene: of hc_body.locked, as in the scene. */
-enum { HC_LOCKS = 6 };
-
 /* A force on a body. */
 typedef struct hc_pull {
   double force[3]; /* N; where it turns with the body, along the axes of the reference */
@@ -124,9 +121,6 @@ void hc_twist_at(const hc_twist *twist, const double arm[3], double velocity[3])
 
 /* The impulse of a linear one at an arm, added. */
 void hc_twist_add_at(hc_twist *twist, const double arm[3], const double impulse[3]);
-
-/* The fastest point, m/s. */
-double hc_body_speed(const hc_body *body);
 
 /* Roll, pitch and yaw about the scene's x, y and z, one behind the other, degrees. */
 void hc_body_angles(const hc_body *body, double angles[3]);

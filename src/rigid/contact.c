@@ -348,8 +348,8 @@ static void solve(contact *contacts, size_t count, double enough) {
   }
 }
 
-int hc_contact_resolve(hc_bodies *bodies, hc_world *world, double dt) {
-  if (bodies->count == 0) return 0;
+void hc_contact_resolve(hc_bodies *bodies, hc_world *world, double dt) {
+  if (bodies->count == 0) return;
   for (int k = 0; k < bodies->count; k++) { /* with what is known of their velocities by now */
     hc_body *const body = &bodies->body[k];
     memcpy(body->shown.linear, body->velocity, sizeof body->shown.linear);
@@ -362,5 +362,4 @@ int hc_contact_resolve(hc_bodies *bodies, hc_world *world, double dt) {
   solve(contacts, found.count, DONE * spacing / dt);
   hc_free(contacts);
   hc_free(found.at);
-  return (int)found.count;
 }

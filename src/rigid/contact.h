@@ -14,9 +14,8 @@
 
 #include "bodies.h"
 
-/* Changes the momenta of bodies so that over dt none goes into a wall or another. `fall`: m/s2, what pulls at
- * things at rest. Collective: one gather. Before: the world is placed as the bodies stand. Returns how many
- * points are in contact, the same on every rank. */
-int hc_contact_resolve(hc_bodies *bodies, hc_world *world, double dt);
+/* Changes the momenta of bodies so that over dt none goes into a wall or another. Collective: one gather.
+ * Before: the world is placed as the bodies stand. */
+void hc_contact_resolve(hc_bodies *bodies, hc_world *world, double dt);
 
 #endif
