@@ -44,7 +44,7 @@ typedef struct hc_body {
   int wall;                   /* its surface's number among walls and bodies */
   double mass, inertia[3][3]; /* kg, kg m2: about the centre, in the reference */
   double centre[3];           /* m: the centre of mass in the reference, */
-  double reach;               /* m: the farthest sample from it */
+  double reach;               /* m: the farthest sample from it, a spacing at least */
   unsigned locked;            /* bits 0 to 2: moves, 3 to 5: turns */
   double friction, restitution;
   hc_pull *pulls;

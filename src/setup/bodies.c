@@ -233,7 +233,7 @@ static void make(const hc_scene_body *given, const hc_setup_source *source, cons
     for (int b = 0; b < 3 && given->gyration[0] > 0.0; b++)
       inertia[a][b] = a == b ? solid.volume * given->gyration[a] * given->gyration[a] : 0.0;
   turn_inertia(source->start.turn, inertia, density, body->inertia);
-  body->reach = hc_prescribed_reach(frame, source, source->start.from);
+  body->reach = fmax(hc_prescribed_reach(frame, source, source->start.from), hc_trace_spacing(frame));
   hang(given, body);
   for (int a = 0; a < 3; a++) {
     body->centre[a] = given->position[a];

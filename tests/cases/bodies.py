@@ -134,6 +134,28 @@ output:
     return "drafts off by, in spacings: " + ", ".join(told)
 
 
+def tiny(case, steps):
+    """Bodies of a sample or a few float, with any solver."""
+    scene = write(case, "tiny", """
+particle_spacing: 0.02
+gravity: [0, 0, -9.81]
+end_time: 0.6
+fluid: {viscosity: {model: artificial, coefficient: 0.1}, blocks: [{box: {min: [0, 0, 0], max: [0.4, 0.2, 0.1]}}]}
+boundary: {walls: [{box: {min: [0, 0, 0], max: [0.4, 0.2, 0.4]}, inside: fluid, open: [+z]}]}
+bodies:
+  - {name: a, sphere: {center: [0.1, 0.1, 0.15], radius: 0.0095}, density: 500}
+  - {name: b, sphere: {center: [0.2, 0.1, 0.15], radius: 0.015}, density: 300}
+  - {name: c, box: {min: [0.29, 0.09, 0.14], max: [0.31, 0.11, 0.16]}, density: 500}
+  - {name: d, cylinder: {base: [0.25, 0.15, 0.15], axis: [1, 0, 0], radius: 0.01, length: 0.1}, density: 700}
+output: {gauges_every: 0.05, gauges: [{name: a, type: body, body: a}, {name: b, type: body, body: b}, {name: c, type: body, body: c}, {name: d, type: body, body: d}]}
+""")
+    for name in METHODS:
+        last = gauges(case.run(scene, f"tiny_{name}", 2, (f"solver.method={name}",)))[-1]
+        for body in "abcd":
+            c.expect(0.085 < last[f"{body}_z"] < 0.12, f"{name}: {body} is at {last[f'{body}_z']} m, the water is 0.1 m deep")
+    return "four bodies of 1 to 20 samples float"
+
+
 CUP = """
 gravity: [0, 0, -9.81]
 fluid: {blocks: [{box: {min: [0, 0, 0], max: [0.1, 0.1, 0.05]}}]}
@@ -268,7 +290,7 @@ def refused(case, steps):
     return f"{len(BAD)} bad bodies and 5 settings that do not go with them are refused"
 
 
-CASES = {"bits": bits, "restart": restart, "momentum": momentum, "draft": draft, "stack": stack, "walls": walls, "refused": refused}
+CASES = {"bits": bits, "restart": restart, "momentum": momentum, "draft": draft, "tiny": tiny, "stack": stack, "walls": walls, "refused": refused}
 
 if __name__ == "__main__":
     c.main(__doc__, CASES)
