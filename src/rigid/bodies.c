@@ -16,9 +16,15 @@ static void times(const double m[3][3], const double v[3], double product[3]) {
 void hc_bodies_init(hc_bodies *bodies, int count, const hc_frame *frame) {
   *bodies =
       (hc_bodies){.body = hc_alloc_zero((size_t)count, sizeof *bodies->body), .count = count, .frame = frame};
+  hc_touching_init(&bodies->touching);
+}
+
+void hc_bodies_touch(hc_bodies *bodies, hc_world *world) {
+  if (bodies->count > 0) hc_touching_refresh(&bodies->touching, world, bodies->first);
 }
 
 void hc_bodies_free(hc_bodies *bodies) {
+  hc_touching_free(&bodies->touching);
   for (int k = 0; k < bodies->count; k++) {
     hc_free(bodies->body[k].pulls);
     hc_free(bodies->body[k].moorings);

@@ -18,6 +18,7 @@
 
 #include "movers.h"
 #include "state/state.h"
+#include "touching.h"
 
 /* A force on a body. */
 typedef struct hc_pull {
@@ -71,6 +72,7 @@ typedef struct hc_bodies {
   int first;                                /* the number of the first one's surface */
   double gravity[3], pole[3], central_rate; /* as the fluid feels, see hc_solver_settings */
   double time;                              /* s: of the poses */
+  hc_touching touching;                     /* as the world is placed */
   bool reckons;                             /* the solver reckons with how bodies yield */
   const hc_frame *frame;                    /* the caller's */
 } hc_bodies;
@@ -78,6 +80,9 @@ typedef struct hc_bodies {
 /* Room for `count` bodies, zeroed; the caller fills them, with pulls and moorings from hc_alloc. */
 void hc_bodies_init(hc_bodies *bodies, int count, const hc_frame *frame);
 void hc_bodies_free(hc_bodies *bodies);
+
+/* Behind hc_world_place: what touches counts once. Collective. */
+void hc_bodies_touch(hc_bodies *bodies, hc_world *world);
 
 /* Registers what is state. */
 void hc_bodies_register(hc_bodies *bodies, hc_state *state);

@@ -39,7 +39,6 @@ typedef struct finder {
   const hc_bodies *bodies;
   const hc_world *world;
   double spacing, dt; /* m, s */
-  hc_neighbors list;
 } finder;
 
 /* ---- which samples touch ---- */
@@ -100,11 +99,12 @@ static void note_nearest(points *nearest, const point *found) {
 /* Does sample k of a body touch anything? */
 static void look_at(finder *f, const hc_body *body, int32_t k, points *nearest) {
   const hc_particles *const moving = f->world->moving, *const boundary = f->world->boundary;
-  const uint32_t *const row = hc_list_row(&f->list, k);
+  const hc_neighbors *const list = &f->bodies->touching.list;
+  const uint32_t *const row = hc_list_row(list, k);
   double arm[3], own[3];
   hc_body_arm(f->bodies, body, &moving->position[3 * (size_t)k], arm);
   hc_twist_at(&body->shown, arm, own);
-  for (int32_t n = 0; n < hc_list_count(&f->list, k); n++) {
+  for (int32_t n = 0; n < hc_list_count(list, k); n++) {
     const int32_t b = (int32_t)(row[n] / sizeof(hc_record));
     const int32_t other = (int32_t)boundary->motion[b].scalar;
     if (other == body->wall) continue;
@@ -208,12 +208,6 @@ static points find_points(hc_bodies *bodies, hc_world *world, double dt) {
               .spacing = 2.0 * (double)world->sweep.wall_offset * (double)world->sweep.support,
               .dt = dt};
   hc_particles *const moving = world->moving;
-  hc_store *const stores = world->stores;
-  const hc_neighbor_source sources[2] = {{&stores[HC_STORE_BOUNDARY].cells, world->boundary},
-                                         {&stores[HC_STORE_MOVING].cells, moving}};
-  hc_neighbors_init(&f.list);
-  hc_neighbors_build(&f.list, &world->search, &stores[HC_STORE_MOVING].cells, moving, hc_select_all(moving),
-                     sources, 2);
   points nearest = {.count = 0}, list = {.count = 0};
   patches found = {.count = 0};
   for (int32_t k = 0; k < moving->own; k++) {
@@ -230,7 +224,6 @@ static points find_points(hc_bodies *bodies, hc_world *world, double dt) {
   found.count = 0;
   for (size_t n = 0; n < bytes / sizeof *all; n++) enter(&found, &all[n]);
   list_points(&found, &list);
-  hc_neighbors_free(&f.list);
   hc_free(all);
   hc_free(nearest.at);
   hc_free(found.at);

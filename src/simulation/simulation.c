@@ -101,6 +101,7 @@ static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   hc_world_start(world, hc_balance_first_divider(simulation->scene));
   if (simulation->scene->fluid.settle_steps > 0 && settle(simulation, error) != HC_OK) return error->status;
   hc_world_update(world);
+  hc_bodies_touch(&simulation->bodies, world);
   hc_setup_plan_free(&simulation->plan);
   return HC_OK;
 }
@@ -217,6 +218,7 @@ void hc_simulation_adopt(hc_simulation *simulation) {
   pose_walls(simulation, false);
   hc_world_distribute(world, hc_balance_first_divider(simulation->scene));
   hc_world_update(world);
+  hc_bodies_touch(&simulation->bodies, world);
   simulation->imbalance = hc_domain_imbalance(&world->domain, world->fluid);
   hc_balance_go_on(&simulation->balance, simulation->step);
   hc_setup_plan_free(&simulation->plan);
@@ -283,4 +285,5 @@ void hc_simulation_show_now(hc_simulation *simulation, hc_state_copy *now) {
   hc_simulation_disturb(simulation);
   hc_simulation_pose_walls(simulation);
   hc_world_update(&simulation->world);
+  hc_bodies_touch(&simulation->bodies, &simulation->world);
 }

@@ -59,6 +59,16 @@ static inline int32_t hc_cells_next(const int32_t adjacent[HC_ADJACENT], int cel
                   9 * ((next[2] + HC_BRICK_EDGE) / HC_BRICK_EDGE)];
 }
 
+/* Has a cell, or one around it, any particles? `adjacent`: of the bricks around the cell's. */
+static inline bool hc_cells_any_around(const hc_cells *cells, const int32_t adjacent[HC_ADJACENT], int cell) {
+  for (int way = 0; way < HC_ADJACENT; way++) {
+    int there;
+    const int32_t brick = hc_cells_next(adjacent, cell, way, &there);
+    if (brick >= 0 && cells->count[brick][there] > 0) return true;
+  }
+  return false;
+}
+
 /* The sort, in two halves, between which the caller may set border bits of the occupied cells. Local.
  * Bin: forgets everything and finds each own particle's cell. Order: permutes the particles into border cells
  * first, then the others, each row-major (z, y, x), ids ascending in a cell; sets begin, count, own_cells,

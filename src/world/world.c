@@ -274,15 +274,6 @@ void hc_world_update(hc_world *world) {
   hc_world_list(world, NULL);
 }
 
-static bool near_fluid(const hc_cells *fluid, const int32_t adjacent[HC_ADJACENT], int cell) {
-  for (int way = 0; way < HC_ADJACENT; way++) {
-    int there;
-    const int32_t brick = hc_cells_next(adjacent, cell, way, &there);
-    if (brick >= 0 && fluid->count[brick][there] > 0) return true;
-  }
-  return false;
-}
-
 static int64_t count_active(const hc_cells *fluid, const hc_cells *walls) {
   int64_t active = 0;
   int32_t brick = -1, adjacent[HC_ADJACENT];
@@ -294,7 +285,7 @@ static int64_t count_active(const hc_cells *fluid, const hc_cells *walls) {
       any = hc_brick_set_around(&fluid->bricks, walls->bricks.bricks[brick], adjacent);
     }
     const int cell = slot % HC_BRICK_CELLS;
-    if (any && near_fluid(fluid, adjacent, cell)) active += walls->count[brick][cell];
+    if (any && hc_cells_any_around(fluid, adjacent, cell)) active += walls->count[brick][cell];
   }
   return active;
 }
