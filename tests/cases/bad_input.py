@@ -254,7 +254,7 @@ SCENES = {
                                     "4:71", "output.gauges[0].mean_over must be >= 0, not '-1'"),
     "mean of a moment": (added("output: {gauges: [{name: a, type: front, axis: +x, mean_over: 1}]}"), "4:63",
                          "output.gauges[0].mean_over is a key of pressure, flow, force, not of front"),
-    "gauge of no wall": (added("output: {gauges: [{name: a, type: force, wall: bed}]}"), "the name of a wall of the scene"),
+    "gauge of no wall": (added("output: {gauges: [{name: a, type: force, wall: bed}]}"), "the name of a wall or body of the scene"),
     "key of another gauge": (added("output: {gauges: [{name: a, type: front, axis: +x, wall: bed}]}"), "4:58",
                              "wall is a key of pressure, force, not of front"),
     "unknown motion": (moving("{type: sine}"), "4:96", "one of none, constant, cosine, table", "not 'sine'"),

@@ -72,6 +72,21 @@ static void refuse_set(const char *override, const char *message) {
   refuse_text(SMALLEST, override, expected);
 }
 
+static void expect_same_body(const hc_scene_body *a, const hc_scene_body *b) {
+  hc_scene_body left, right;
+  memcpy(&left, a, sizeof left);
+  memcpy(&right, b, sizeof right);
+  ck_assert_int_eq(left.force_count, right.force_count);
+  ck_assert_int_eq(left.mooring_count, right.mooring_count);
+  const size_t forces = (size_t)left.force_count * sizeof *left.forces,
+               moorings = (size_t)left.mooring_count * sizeof *left.moorings;
+  if (forces) ck_assert_mem_eq(left.forces, right.forces, forces);
+  if (moorings) ck_assert_mem_eq(left.moorings, right.moorings, moorings);
+  left.forces = right.forces = NULL;
+  left.moorings = right.moorings = NULL;
+  ck_assert_mem_eq(&left, &right, sizeof left);
+}
+
 /* All bytes but the pointers. */
 static void expect_same(const hc_scene *a, const hc_scene *b) {
   ck_assert_int_eq(a->fluid.block_count, b->fluid.block_count);
@@ -95,12 +110,15 @@ static void expect_same(const hc_scene *a, const hc_scene *b) {
   ck_assert_int_eq(a->output.gauge_count, b->output.gauge_count);
   const size_t gauge_bytes = (size_t)a->output.gauge_count * sizeof *a->output.gauges;
   if (gauge_bytes) ck_assert_mem_eq(a->output.gauges, b->output.gauges, gauge_bytes);
+  ck_assert_int_eq(a->body_count, b->body_count);
+  for (int k = 0; k < a->body_count; k++) expect_same_body(&a->bodies[k], &b->bodies[k]);
   hc_scene left, right;
   memcpy(&left, a, sizeof left);
   memcpy(&right, b, sizeof right);
   left.fluid.blocks = right.fluid.blocks = NULL;
   left.fluid.emitters = right.fluid.emitters = NULL;
   left.boundary.walls = right.boundary.walls = NULL;
+  left.bodies = right.bodies = NULL;
   left.output.gauges = right.output.gauges = NULL;
   ck_assert_mem_eq(&left, &right, sizeof left);
 }
@@ -280,7 +298,7 @@ START_TEST(test_gauges) {
   refuse_gauge("name: a", "5: missing required key 'output.gauges[0].type'");
   refuse_gauge("name: a, type: level",
                "21: output.gauges[0].type must be one of height, front, pressure, flow, "
-               "force, energy, volume, density, not 'level'");
+               "force, energy, volume, density, body, mooring, not 'level'");
   refuse_gauge("name: a, type: front", "5: missing key 'output.gauges[0].axis', required for front");
   refuse_gauge("name: a, type: volume, axis: +x",
                "35: output.gauges[0].axis is a key of height, front, pressure, flow, not of volume");
@@ -296,7 +314,7 @@ START_TEST(test_gauges) {
   refuse_gauge("name: a, type: height, at: [1, 2], mean_over: 1",
                "52: output.gauges[0].mean_over is a key of pressure, flow, force, not of height");
   refuse_gauge("name: a, type: force, wall: tank",
-               "34: output.gauges[0].wall must be the name of a wall of the scene, not 'tank'");
+               "34: output.gauges[0].wall must be the name of a wall or body of the scene, not 'tank'");
   refuse_gauge("name: a, type: volume, box: {min: [0, 0, 0], max: [1, -1, 1]}",
                "56: output.gauges[0].box.max must be >= box.min along y");
   refuse_gauge(
@@ -314,7 +332,7 @@ START_TEST(test_errors_in_a_line) {
       {"rest_density: 998", "1: unknown key 'rest_density'; did you mean 'fluid.rest_density'?"},
       {"time_step: {maxx: 1}", "13: unknown key 'time_step.maxx'; did you mean 'time_step.max'?"},
       {"solvr: {}", "1: unknown key 'solvr'; did you mean 'solver'?"},
-      {"bodies: []", "1: unknown key 'bodies'"},
+      {"rafts: []", "1: unknown key 'rafts'"},
       {"fluid: {blocks: [{box: {min: [0,0,0], max: [1,1,1]}, velocit: 1}]}",
        "54: unknown key 'fluid.blocks[0].velocit'; did you mean 'fluid.blocks[0].velocity'?"},
       {"solver.warm_start: 1", "1: unknown key 'solver.warm_start': write nested maps, not dots"},
@@ -632,6 +650,15 @@ START_TEST(test_round_trip) {
   check_round_trip(SMALLEST, NULL);
   check_round_trip(full, NULL);
   check_round_trip(full, "boundary.volume_factor=computed");
+  check_round_trip(
+      SMALLEST
+      "bodies:\n"
+      "  - {name: b, sphere: {center: [0, 0, 1], radius: 0.3}, mass: 2, position: [1, 0, 0.1], locked: "
+      "[x, yaw],\n"
+      "     forces: [{force: [1, 2, 3], at: [0, 0, 1], frame: body, stop: 3}],\n"
+      "     moorings: [{type: spring, at: [0, 0, 1], anchor: [0.1, 0, 0], stiffness: 5}]}\n"
+      "  - {box: {min: [0, 0, 1], max: [1, 1, 2]}, density: 0.1}\n",
+      NULL);
   /* A constant step above the default of time_step.max takes it along. */
   check_round_trip(SMALLEST "time_step: {control: constant, size: 0.01}\n", NULL);
   check_round_trip(full, "gravity=[5e-324, 1.7976931348623157e308, 0.1]");
