@@ -68,40 +68,58 @@ typedef struct meeting {
   double x[3];
 } meeting;
 
-/* How far x is off what the body must keep out of. */
-static double clearance_of(const meeting *m, const double x[3]) {
-  if (m->other && m->other->start.moved) return hc_carve_distance(m->frame, m->other, x);
-  if (m->other) return hc_trace_distance(m->frame, hc_shape_distance, &m->other->shape, x);
+/* Where a point of the shape is as the body starts. */
+static void place(const hc_setup_source *body, const double x[3], double at[3]) {
+  for (int a = 0; a < 3; a++) at[a] = x[a] - body->start.from[a];
+  hc_source_turn(body, at);
+  for (int a = 0; a < 3; a++) at[a] += body->start.to[a];
+}
+
+/* How far a sample of the body, at x in the shape, is off what the body must keep out of. */
+static double clearance(const void *context, const double x[3]) {
+  const meeting *const m = context;
+  double at[3];
+  place(m->body, x, at);
+  if (m->other && m->other->start.moved) return hc_carve_distance(m->frame, m->other, at) - m->room;
+  if (m->other) return hc_trace_distance(m->frame, hc_shape_distance, &m->other->shape, at) - m->room;
   double nearest = INFINITY;
   for (int w = 0; w < m->wall_count; w++)
     if (!m->walls[w].solid)
-      nearest = fmin(nearest, hc_trace_distance(m->frame, hc_shape_region_distance, &m->walls[w].shape, x));
-  return nearest == INFINITY ? INFINITY : -nearest;
+      nearest = fmin(nearest, hc_trace_distance(m->frame, hc_shape_region_distance, &m->walls[w].shape, at));
+  return nearest == INFINITY ? INFINITY : -nearest - m->room;
+}
+
+static bool note_first(void *context, int64_t k, const int64_t point[3], const double x[3]) {
+  (void)k, (void)point;
+  meeting *const m = context;
+  m->found = true;
+  place(m->body, x, m->x);
+  return false;
 }
 
 /* Samples lie half a spacing inside the surface, or in the middle of what is thin. */
 static void look(meeting *m) {
+  const hc_sampling *const sampling = &m->body->sampling;
+  const hc_trace trace = {m, clearance, note_first};
   m->found = false;
-  const hc_sampling *const sampling = &m->body->sampling; /* of surfaces this rank's share */
-  const int64_t first = sampling->listed ? sampling->listed_first : 0,
-                end = sampling->listed ? sampling->listed_end : hc_sampling_count(sampling);
-  for (int64_t k = first; k < end && !m->found; k++) {
-    int64_t point[3];
-    double x[3];
-    hc_sampling_point(&m->body->sampling, k, point);
-    hc_source_put(m->frame, m->body, point);
-    for (int a = 0; a < 3; a++) x[a] = hc_frame_to_metres(m->frame, a, point[a]);
-    if (clearance_of(m, x) >= m->room) continue;
-    m->found = true;
-    memcpy(m->x, x, sizeof m->x);
-  }
+  if (sampling->listed) /* of surfaces this rank's share */
+    hc_trace_part(m->frame, sampling, sampling->listed_first, sampling->listed_end, &trace);
+  else
+    hc_trace_run(m->frame, sampling, &trace);
 }
 
 static void review_size(const hc_scene *scene, const hc_setup_source *body, int number,
                         hc_findings *findings) {
-  static const double LEAST = 0.9; /* spacings: as of walls */
+  static const double LEAST = 0.9, MOST = 0x1p31; /* spacings, as of walls; particles that give way */
   const hc_solid solid = hc_solid_of(&body->shape);
   const double thickness = hc_source_thickness(body);
+  const double cube = scene->particle_spacing * scene->particle_spacing * scene->particle_spacing;
+  if (!(solid.volume <= MOST * cube)) {
+    hc_findings_error(findings, path_of(number).text,
+                      "%s must take the place of at most 2^31 particles, not of %.3g",
+                      hc_source_body_name(&scene->bodies[number], number).text, solid.volume / cube);
+    return;
+  }
   if (solid.volume > 0.0 && thickness >= LEAST * scene->particle_spacing) return;
   hc_findings_error(findings, path_of(number).text,
                     "%s must have a volume and be about particle_spacing (%g m) thick, not %g m3 and %g m",
