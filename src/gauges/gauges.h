@@ -24,7 +24,7 @@
  * Boxes, rectangles and what is around a point are found through periodic images.
  *
  * Pressure, flow, forces and tensions are means over the time since the last reading, step by step, so that
- * no impulse falls between two readings, all but those of bodies or over the scene's mean_over, however often
+ * no impulse falls between two readings, or, but for bodies, over the scene's mean_over, however often
  * they are read (moving_mean.h); the others are of the moment. All sums are exact, extremes need no order:
  * the same values on any number of ranks. The averages under way are state of the run. */
 #ifndef HC_GAUGES_H

@@ -250,12 +250,27 @@ hc_twist hc_body_momentum(const hc_body *body) {
   return momentum;
 }
 
-void hc_body_expect(const hc_bodies *bodies, hc_body *body, const hc_twist *momentum_before, double dt) {
+/* What of the impulse of contacts bears and will again: all but what has changed the momentum its way. */
+static double bearing_share(const double now[3], const double before[3], const double pushed[3]) {
+  double change[3], contact[3];
+  hc_vector_minus(now, before, change);
+  hc_vector_minus(now, pushed, contact);
+  const double square = hc_vector_dot(contact, contact);
+  if (square == 0.0) return 0.0;
+  return 1.0 - fmax(0.0, fmin(1.0, hc_vector_dot(change, contact) / square));
+}
+
+void hc_body_expect(const hc_bodies *bodies, hc_body *body, const hc_twist *before, const hc_twist *pushed,
+                    double dt) {
   if (!bodies->reckons) return;
   const hc_twist now = hc_body_momentum(body);
+  const double linear = bearing_share(now.linear, before->linear, pushed->linear),
+               angular = bearing_share(now.angular, before->angular, pushed->angular);
   for (int axis = 0; axis < 3; axis++) {
-    const double beyond = now.linear[axis] - momentum_before->linear[axis] - body->pushed.linear[axis],
-                 about = now.angular[axis] - momentum_before->angular[axis] - body->pushed.angular[axis];
+    const double beyond = pushed->linear[axis] - before->linear[axis] - body->pushed.linear[axis] +
+                          linear * (now.linear[axis] - pushed->linear[axis]),
+                 about = pushed->angular[axis] - before->angular[axis] - body->pushed.angular[axis] +
+                         angular * (now.angular[axis] - pushed->angular[axis]);
     body->held[axis] = body->locked >> axis & 1 ? 0.0 : body->held[axis] + beyond / dt;
     body->held[3 + axis] = body->locked >> (3 + axis) & 1 ? 0.0 : body->held[3 + axis] + about / dt;
   }
@@ -263,7 +278,8 @@ void hc_body_expect(const hc_bodies *bodies, hc_body *body, const hc_twist *mome
 
 /* ---- how it moves ---- */
 
-/* The quaternion behind a turn of `spin` over dt: Cayley's map, (1 + dt/4 (q + q') ...) without sines. */
+/* The quaternion behind a turn of `spin` over dt: (1 + dt/2 spin) q, of unit length, Cayley's map, without
+ * sines. */
 static void turn_on(const double q[4], const double spin[3], double dt, double turned[4]) {
   const double x = 0.5 * dt * spin[0], y = 0.5 * dt * spin[1], z = 0.5 * dt * spin[2];
   const double w = q[0], a = q[1], b = q[2], c = q[3];
@@ -295,11 +311,16 @@ static void turn_body(hc_body *body, double dt) {
   memcpy(body->turn, next, sizeof next);
 }
 
-void hc_body_drift(const hc_bodies *bodies, hc_body *body, double dt) {
-  for (int axis = 0; axis < 3; axis++)
-    body->position[axis] += llrint(body->velocity[axis] * dt / bodies->frame->unit[axis]);
+bool hc_body_drift(const hc_bodies *bodies, hc_body *body, double dt) {
+  static const double FARTHEST = 0x1p50; /* units */
+  for (int axis = 0; axis < 3; axis++) {
+    const double units = body->velocity[axis] * dt / bodies->frame->unit[axis];
+    if (!(fabs(units) < FARTHEST)) return false;
+    body->position[axis] += llrint(units);
+  }
   if (hc_vector_dot(body->momentum, body->momentum) > 0.0) turn_body(body, dt);
   compliance_at(body, body->turn, body->compliance);
+  return true;
 }
 
 void hc_body_angles(const hc_body *body, double angles[3]) {

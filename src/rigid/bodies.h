@@ -104,14 +104,16 @@ void hc_body_push_shown(hc_body *body, const hc_twist *impulse);
 void hc_body_push(hc_body *body, const hc_twist *impulse);
 
 /* Behind a step in which the solver reckoned with the body: what really came in beyond that is what the next
- * step expects. `before`: as the step began. */
-void hc_body_expect(const hc_bodies *bodies, hc_body *body, const hc_twist *momentum_before, double dt);
+ * step expects; of contacts what bears, not what has stopped it or thrown it back. `before`: its momentum as
+ * the step began; `pushed`: before contacts. */
+void hc_body_expect(const hc_bodies *bodies, hc_body *body, const hc_twist *before, const hc_twist *pushed,
+                    double dt);
 
 /* Its momentum, and that about its centre of mass. */
 hc_twist hc_body_momentum(const hc_body *body);
 
-/* Moves it on by its velocity over dt. */
-void hc_body_drift(const hc_bodies *bodies, hc_body *body, double dt);
+/* Moves it on by its velocity over dt; false if that is no number or beyond all places. */
+bool hc_body_drift(const hc_bodies *bodies, hc_body *body, double dt);
 
 /* Its spin, rad/s, by its angular momentum; and a point of the reference, m from the centre, as the body
  * stands. */

@@ -309,8 +309,9 @@ static contact make(const hc_bodies *bodies, const point *point, double spacing,
   memcpy(c.axis[0], point->normal, sizeof c.axis[0]);
   tangents(&c);
   if (c.other) {
-    hc_body_arm(bodies, c.other, c.body->position, c.other_arm);
-    for (int a = 0; a < 3; a++) c.other_arm[a] += c.arm[a];
+    int64_t at[3];
+    for (int a = 0; a < 3; a++) at[a] = c.body->position[a] + llrint(c.arm[a] / bodies->frame->unit[a]);
+    hc_body_arm(bodies, c.other, at, c.other_arm);
   }
   for (int axis = 0; axis < 3; axis++) {
     const double sum = yielding(c.body, c.arm, c.axis[axis]) +
@@ -321,7 +322,10 @@ static contact make(const hc_bodies *bodies, const point *point, double spacing,
   const double bounces = c.other ? fmax(c.body->restitution, c.other->restitution) : c.body->restitution;
   double velocity[3];
   relative(&c, velocity);
-  const double speed = hc_vector_dot(velocity, c.axis[0]), fall = hc_vector_length(bodies->gravity) * dt;
+  const hc_twist pull = hc_body_pull(bodies, c.body);
+  const double speed = hc_vector_dot(velocity, c.axis[0]),
+               fall =
+                   fmax(hc_vector_length(bodies->gravity), hc_vector_length(pull.linear) / c.body->mass) * dt;
   const double deep = fmin(0.0, point->gap + SLACK * spacing);
   c.least = point->gap > 0.0 ? -point->gap / dt : fmin(-LET_OUT * deep, FASTEST * spacing) / dt;
   if (bounces > 0.0 && speed < -BOUNCE * fall && speed < c.least) c.least = -bounces * speed;

@@ -166,11 +166,11 @@ void hc_movers_pose(hc_movers *movers, hc_world *world, double time, double ahea
   hc_free(poses);
   movers->time = time;
   movers->posed = !held; /* what was held back is asked for again */
-  if (!changed) return;
   world->sweep.walls_move = false;
   for (int k = 0; k < movers->count; k++) /* bodies yield from rest, too */
     world->sweep.walls_move |=
         is_moving(&movers->poses[k]) || (!held && movers->walls[k].motion.law == HC_MOTION_BODY);
+  if (!changed) return;
   hc_movers_place(movers, &world->frame, world->moving);
   world->stores[HC_STORE_MOVING].moved = true;
 }

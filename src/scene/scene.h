@@ -100,16 +100,14 @@ typedef enum hc_emitter_form { HC_EMITTER_DISC, HC_EMITTER_RECTANGLE } hc_emitte
 /* Where fluid comes in: layers of particles, a spacing apart, at a speed along a direction. */
 typedef struct hc_scene_emitter {
   hc_emitter_form form;
-  double center_of_mass[3]; /* m: where the shape is; */
-  double gyration[3];       /* m: radii of gyration about the axes through it; 0: of the even shape */
-  double position[3];       /* m: the middle of the opening */
-  double direction[3];      /* of the flow, of any length */
-  double radius;            /* disc: m */
-  double size[2];           /* rectangle: m, along its tangents, which are a plane's */
-  double speed, rate;       /* m/s; m3/s: the other is 0 */
-  double start, stop;       /* s; stop 0: never */
-  int64_t max_particles;    /* 0: any number */
-  double clearance;         /* spacings */
+  double position[3];    /* m: the middle of the opening */
+  double direction[3];   /* of the flow, of any length */
+  double radius;         /* disc: m */
+  double size[2];        /* rectangle: m, along its tangents, which are a plane's */
+  double speed, rate;    /* m/s; m3/s: the other is 0 */
+  double start, stop;    /* s; stop 0: never */
+  int64_t max_particles; /* 0: any number */
+  double clearance;      /* spacings */
 } hc_scene_emitter;
 
 typedef enum hc_inside { HC_INSIDE_FLUID, HC_INSIDE_SOLID } hc_inside;

@@ -4,6 +4,7 @@
 #include "geometry/solid.h"
 #include "geometry/vector.h"
 #include "setup/carve.h"
+#include "setup/controls.h"
 #include "setup/prescribed.h"
 #include "setup/trace.h"
 
@@ -43,6 +44,78 @@ void hc_setup_bodies_complete(hc_scene *scene, hc_findings *findings) {
   for (int k = 0; k < scene->body_count; k++)
     if (!given->items[k].bad && is_made(&scene->bodies[k].surface))
       complete(&scene->bodies[k], &given->items[k]);
+}
+
+/* ---- bodies ---- */
+
+/* R I R^T */
+static void turn_inertia(const double turn[3][3], const double own[3][3], double density,
+                         double turned[3][3]) {
+  double half[3][3];
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++)
+      half[a][b] = turn[a][0] * own[0][b] + turn[a][1] * own[1][b] + turn[a][2] * own[2][b];
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++)
+      turned[a][b] = density * (half[a][0] * turn[b][0] + half[a][1] * turn[b][1] + half[a][2] * turn[b][2]);
+}
+
+static void hang(const hc_scene_body *given, hc_body *body) {
+  body->pull_count = given->force_count;
+  body->mooring_count = given->mooring_count;
+  body->pulls = hc_alloc_zero((size_t)given->force_count, sizeof *body->pulls);
+  body->moorings = hc_alloc_zero((size_t)given->mooring_count, sizeof *body->moorings);
+  for (int k = 0; k < given->force_count; k++) {
+    const hc_scene_force *const from = &given->forces[k];
+    hc_pull *const pull = &body->pulls[k];
+    *pull = (hc_pull){.turns = from->frame == HC_FORCE_BODY,
+                      .start = from->start,
+                      .stop = from->stop > 0.0 ? from->stop : INFINITY};
+    memcpy(pull->force, from->force, sizeof pull->force);
+    hc_vector_minus(from->at, given->position, pull->arm);
+  }
+  for (int k = 0; k < given->mooring_count; k++) {
+    const hc_scene_mooring *const from = &given->moorings[k];
+    hc_mooring *const mooring = &body->moorings[k];
+    *mooring = (hc_mooring){.length = from->length,
+                            .stiffness = from->stiffness,
+                            .damping = from->damping,
+                            .pushes = from->type == HC_MOORING_SPRING};
+    memcpy(mooring->anchor, from->anchor, sizeof mooring->anchor);
+    hc_vector_minus(from->at, given->position, mooring->arm);
+  }
+}
+
+/* `frame` null: what it weighs and hangs on alone. */
+static void make(const hc_scene_body *given, const hc_setup_source *source, const hc_frame *frame,
+                 hc_body *body) {
+  const hc_solid solid = hc_solid_of(&source->shape);
+  const double density = given->mass > 0.0 ? given->mass / solid.volume : given->density;
+  *body = (hc_body){.wall = (int)source->number,
+                    .mass = density * solid.volume,
+                    .locked = given->locked,
+                    .friction = given->friction,
+                    .restitution = given->restitution,
+                    .turn = {1.0, 0.0, 0.0, 0.0}};
+  double inertia[3][3];
+  memcpy(inertia, solid.inertia, sizeof inertia);
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3 && given->gyration[0] > 0.0; b++)
+      inertia[a][b] = a == b ? solid.volume * given->gyration[a] * given->gyration[a] : 0.0;
+  turn_inertia(source->start.turn, inertia, density, body->inertia);
+  hang(given, body);
+  if (!frame) return;
+  body->reach = fmax(hc_prescribed_reach(frame, source, source->start.from), hc_trace_spacing(frame));
+  for (int a = 0; a < 3; a++) {
+    body->centre[a] = given->position[a];
+    body->position[a] = hc_frame_to_units(frame, a, given->position[a]);
+    if (!(given->locked >> a & 1)) body->velocity[a] = given->velocity[a];
+  }
+  for (int a = 0; a < 3; a++)
+    if (!(given->locked >> (3 + a) & 1))
+      for (int b = 0; b < 3; b++)
+        if (!(given->locked >> (3 + b) & 1))
+          body->momentum[a] += body->inertia[a][b] * given->angular_velocity[b];
 }
 
 /* ---- what cannot be ---- */
@@ -127,6 +200,36 @@ static void review_size(const hc_scene *scene, const hc_setup_source *body, int 
                     solid.volume, thickness);
 }
 
+/* Moorings pull by where the body is as a step begins, which swings a body apart that is too light for the
+ * step.
+ */
+static void review_moorings(const hc_scene *scene, const hc_setup_source *source, int number,
+                            hc_findings *findings) {
+  const hc_scene_body *const body = &scene->bodies[number];
+  if (body->mooring_count == 0) return;
+  const double longest = hc_setup_control_longest(scene);
+  hc_body made;
+  make(body, source, NULL, &made);
+  for (int k = 0; k < body->mooring_count; k++) {
+    const hc_scene_mooring *const mooring = &body->moorings[k];
+    double least = INFINITY;
+    for (int a = 0; a < 3; a++) least = fmin(least, made.inertia[a][a]);
+    const double arm = hc_vector_length(made.moorings[k].arm), yields = 1.0 / made.mass + arm * arm / least;
+    const double stiffness = longest * longest * yields * mooring->stiffness,
+                 damping = longest * yields * mooring->damping;
+    if (stiffness <= 1.0 && damping <= 1.0) continue;
+    hc_findings_error(
+        findings, path_of(number).text,
+        "%s.moorings[%d] is too %s for its mass: with steps of up to %.3g s (time_step.max) its %s "
+        "must be at most %.4g",
+        path_of(number).text, k, stiffness > 1.0 ? "stiff" : "damped", longest,
+        stiffness > 1.0 ? "stiffness" : "damping",
+        stiffness > 1.0 ? mooring->stiffness / stiffness : mooring->damping / damping);
+  }
+  hc_free(made.pulls);
+  hc_free(made.moorings);
+}
+
 /* Arms from the centre of mass go to the nearest image. */
 static void review_period(const hc_scene *scene, const hc_frame *frame, const hc_setup_source *body,
                           int number, hc_findings *findings) {
@@ -158,6 +261,12 @@ static void review_meetings(const hc_scene *scene, const hc_frame *frame, const 
     if (!sources[k].solid) continue;
     m.other = &sources[k];
     look(&m);
+    if (!m.found) { /* one may lie within the other */
+      m.body = &sources[k];
+      m.other = body;
+      look(&m);
+      m.body = body;
+    }
     if (!m.found) continue;
     hc_findings_error(findings, path_of(number).text, "%s must not overlap %s, as at (%.6g, %.6g, %.6g) m",
                       name.text, hc_source_surface_name(scene, k).text, m.x[0], m.x[1], m.x[2]);
@@ -190,79 +299,10 @@ void hc_setup_bodies_review(const hc_scene *scene, const hc_frame *frame, hc_fin
     review_size(scene, &sources[scene->boundary.wall_count + k], k, findings);
     review_period(scene, frame, &sources[scene->boundary.wall_count + k], k, findings);
     review_meetings(scene, frame, sources, k, findings);
+    review_moorings(scene, &sources[scene->boundary.wall_count + k], k, findings);
   }
   for (int k = 0; k < made; k++) hc_source_free(&sources[k]);
   hc_free(sources);
-}
-
-/* ---- bodies ---- */
-
-/* R I R^T */
-static void turn_inertia(const double turn[3][3], const double own[3][3], double density,
-                         double turned[3][3]) {
-  double half[3][3];
-  for (int a = 0; a < 3; a++)
-    for (int b = 0; b < 3; b++)
-      half[a][b] = turn[a][0] * own[0][b] + turn[a][1] * own[1][b] + turn[a][2] * own[2][b];
-  for (int a = 0; a < 3; a++)
-    for (int b = 0; b < 3; b++)
-      turned[a][b] = density * (half[a][0] * turn[b][0] + half[a][1] * turn[b][1] + half[a][2] * turn[b][2]);
-}
-
-static void hang(const hc_scene_body *given, hc_body *body) {
-  body->pull_count = given->force_count;
-  body->mooring_count = given->mooring_count;
-  body->pulls = hc_alloc_zero((size_t)given->force_count, sizeof *body->pulls);
-  body->moorings = hc_alloc_zero((size_t)given->mooring_count, sizeof *body->moorings);
-  for (int k = 0; k < given->force_count; k++) {
-    const hc_scene_force *const from = &given->forces[k];
-    hc_pull *const pull = &body->pulls[k];
-    *pull = (hc_pull){.turns = from->frame == HC_FORCE_BODY,
-                      .start = from->start,
-                      .stop = from->stop > 0.0 ? from->stop : INFINITY};
-    memcpy(pull->force, from->force, sizeof pull->force);
-    hc_vector_minus(from->at, given->position, pull->arm);
-  }
-  for (int k = 0; k < given->mooring_count; k++) {
-    const hc_scene_mooring *const from = &given->moorings[k];
-    hc_mooring *const mooring = &body->moorings[k];
-    *mooring = (hc_mooring){.length = from->length,
-                            .stiffness = from->stiffness,
-                            .damping = from->damping,
-                            .pushes = from->type == HC_MOORING_SPRING};
-    memcpy(mooring->anchor, from->anchor, sizeof mooring->anchor);
-    hc_vector_minus(from->at, given->position, mooring->arm);
-  }
-}
-
-static void make(const hc_scene_body *given, const hc_setup_source *source, const hc_frame *frame,
-                 hc_body *body) {
-  const hc_solid solid = hc_solid_of(&source->shape);
-  const double density = given->mass > 0.0 ? given->mass / solid.volume : given->density;
-  *body = (hc_body){.wall = (int)source->number,
-                    .mass = density * solid.volume,
-                    .locked = given->locked,
-                    .friction = given->friction,
-                    .restitution = given->restitution,
-                    .turn = {1.0, 0.0, 0.0, 0.0}};
-  double inertia[3][3];
-  memcpy(inertia, solid.inertia, sizeof inertia);
-  for (int a = 0; a < 3; a++)
-    for (int b = 0; b < 3 && given->gyration[0] > 0.0; b++)
-      inertia[a][b] = a == b ? solid.volume * given->gyration[a] * given->gyration[a] : 0.0;
-  turn_inertia(source->start.turn, inertia, density, body->inertia);
-  body->reach = fmax(hc_prescribed_reach(frame, source, source->start.from), hc_trace_spacing(frame));
-  hang(given, body);
-  for (int a = 0; a < 3; a++) {
-    body->centre[a] = given->position[a];
-    body->position[a] = hc_frame_to_units(frame, a, given->position[a]);
-    if (!(given->locked >> a & 1)) body->velocity[a] = given->velocity[a];
-  }
-  for (int a = 0; a < 3; a++)
-    if (!(given->locked >> (3 + a) & 1))
-      for (int b = 0; b < 3; b++)
-        if (!(given->locked >> (3 + b) & 1))
-          body->momentum[a] += body->inertia[a][b] * given->angular_velocity[b];
 }
 
 hc_bodies hc_setup_bodies_make(const hc_scene *scene, const hc_setup_plan *plan, const hc_frame *frame) {

@@ -11,14 +11,19 @@ static const double rounding = 1e-3; /* spacings: what touches does not overlap 
 
 double hc_carve_distance(const hc_frame *frame, const hc_setup_source *body, const double x[3]) {
   const hc_start *const start = &body->start;
-  double nearest = INFINITY;
+  double nearest = INFINITY, first[3];
+  for (int a = 0; a < 3; a++) { /* from the nearest image on */
+    const double period = (double)frame->period[a] * frame->unit[a];
+    first[a] = x[a] - start->to[a];
+    if (period > 0.0) first[a] -= period * rint(first[a] / period);
+  }
   for (int n = 0; n < 27; n++) {
     const int image[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
     double arm[3], own[3];
     bool needed = true;
     for (int a = 0; a < 3; a++) {
       needed &= frame->period[a] > 0 || image[a] == 0;
-      arm[a] = x[a] + image[a] * (double)frame->period[a] * frame->unit[a] - start->to[a];
+      arm[a] = first[a] + image[a] * (double)frame->period[a] * frame->unit[a];
     }
     if (!needed) continue;
     for (int a = 0; a < 3; a++) /* turned back */

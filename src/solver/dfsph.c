@@ -106,7 +106,7 @@ static solved iterate(const solve *solve, prediction first) {
     const hc_error_total total = predict(solve, AGAIN);
     hc_yield_note(solve->yield, (double)solve->weight, &pushes);
     result.average = hc_reduce_errors(world->comm, &total, &pushes, &result.max) / particles;
-    result.broken = !isfinite(result.average);
+    result.broken = !isfinite(result.average) || solve->yield->impulses.broken;
     if (result.broken || (result.average <= solve->threshold && result.iterations >= solve->min)) break;
     result.capped = result.iterations >= solve->max;
     if (result.capped) break;

@@ -189,10 +189,11 @@ static void find_densities(const pcisph *step) {
   hc_halo_refresh(world->halo, HC_WHOLE(motion));
 }
 
-/* Bodies go on as these pressures push them, and their samples are predicted anew. */
-static void let_yield(pcisph *step) {
+/* Bodies go on as these pressures push them, and their samples are predicted anew. False if that is beyond
+ * all measure. */
+static bool let_yield(pcisph *step) {
   const hc_world *const world = step->world;
-  if (!step->yield.bodies || step->yield.bodies->count == 0) return;
+  if (!step->yield.bodies || step->yield.bodies->count == 0) return true;
   const double volume = world->sweep.volume;
   hc_tally pushes = {.count = 0};
   hc_yield_note(&step->yield, step->dt, &pushes);
@@ -201,6 +202,7 @@ static void let_yield(pcisph *step) {
   hc_yield_retry(&step->yield, 2.0 * volume * volume * step->settings->gradient_square);
   hc_yield_show(&step->yield);
   predict_walls(step, 1);
+  return !step->yield.impulses.broken;
 }
 
 /* Predicts and corrects, density_min times or until the errors are small. Returns whether they are numbers.
@@ -211,7 +213,7 @@ static bool iterate(pcisph *step, hc_step_report *report) {
   const double particles = world->fluid_total > 0 ? (double)world->fluid_total : 1.0;
   for (;;) {
     const hc_error_total total = predict(step, report->density_iterations > 0);
-    let_yield(step);
+    if (!let_yield(step)) return false;
     report->density_iterations++;
     if (report->density_iterations == 1) hc_fault_watch_density(world, &report->fault);
     if (report->density_iterations < settings->density_min) continue;

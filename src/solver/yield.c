@@ -15,7 +15,7 @@ static bool is_none(const hc_bodies *bodies) {
 /* ---- impulses ---- */
 
 static const double FINEST = 0x1p-40; /* of a body's momentum at a support radius a step */
-static const double MOST = 0x1p50;    /* units: a single impulse beyond is none that a run could go on from */
+static const double MOST = 0x1p48;    /* units: a single impulse beyond is none that a run could go on from */
 
 static void start_impulses(hc_impulses *impulses, const hc_world *world, const hc_bodies *bodies, double dt) {
   if (!impulses->sum) impulses->sum = hc_alloc((size_t)(6 * bodies->count), sizeof *impulses->sum);

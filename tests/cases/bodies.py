@@ -255,6 +255,9 @@ BAD = (("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}}", "mus
        ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5, moorings: [{anchor: [0, 0, 0]}]}", "stiffness"),
        ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5, forces: [{force: [1, 0, 0], start: 2, stop: 1}]}", "stop must be > "),
        ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5, rotation: {axis: [0, 0, 0], angle: 3}}", "rotation.axis must not be zero"),
+       ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 500, moorings: [{anchor: [0, 0, 0], stiffness: 1e6}]}", "too stiff for its mass"),
+       ("  - {name: y, box: {min: [0.14, 0.14, 0.34], max: [0.17, 0.17, 0.37]}, density: 5}\n"
+        "  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5}", 'must not overlap bodies[0] "y"'),
        ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5, gyration: [1, 0, 1]}", "gyration must have three radii > 0, or none"),
        ("  - {name: x, box: {min: [0.1, 0.1, 0.3], max: [0.2, 0.2, 0.4]}, density: 5, restitution: 2}", "restitution must be in [0, 1]"))
 TANK = """

@@ -219,9 +219,24 @@ START_TEST(the_next_step_expects_what_was_beyond) {
   const hc_twist before = hc_body_momentum(body), impulse = {{3, 0, 0}, {0, 0, 0.5}};
   body->pushed.linear[0] = 1.0;
   hc_body_push(body, &impulse);
-  hc_body_expect(&bodies, body, &before, 0.1);
+  hc_twist pushed = hc_body_momentum(body);
+  hc_body_expect(&bodies, body, &before, &pushed, 0.1);
   ck_assert_double_eq_tol(body->held[0], 20.0, 1e-12);
   ck_assert_double_eq_tol(body->held[5], 5.0, 1e-12);
+  /* a contact that bears it is expected, one that has thrown it back is not */
+  const hc_twist falls = hc_body_momentum(body);
+  memset(&body->pushed, 0, sizeof body->pushed);
+  memset(body->held, 0, sizeof body->held);
+  pushed = falls;
+  pushed.linear[2] -= 0.5;
+  hc_body_expect(&bodies, body, &falls, &pushed, 0.1);
+  ck_assert_double_eq_tol(body->held[2], 0.0, 1e-12); /* -0.5 came, 0.5 bore it */
+  memset(body->held, 0, sizeof body->held);
+  pushed = falls;
+  pushed.linear[0] -= 6.0; /* it came in at that, and was thrown back */
+  hc_twist came = pushed;
+  hc_body_expect(&bodies, body, &came, &pushed, 0.1);
+  ck_assert_double_eq_tol(body->held[0], 0.0, 1e-12);
   hc_bodies_free(&bodies);
 }
 END_TEST
