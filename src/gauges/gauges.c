@@ -123,17 +123,17 @@ void hc_gauges_free(hc_gauges *gauges) {
   memset(gauges, 0, sizeof *gauges);
 }
 
-/* What a step's sums mean: the integral over the step of each column of a gauge. */
-/* What a gauge of a body averages. */
+/* What a gauge of a body averages, over a step. */
 static void integrate_body(const hc_gauges *gauges, int g, double dt, double integral[HC_GAUGE_COLUMNS]) {
   const hc_scene_gauge *const gauge = &gauges->scene->output.gauges[g];
   const hc_body *const body = gauges->state[g].body;
   if (gauge->type == HC_GAUGE_MOORING)
-    integral[0] = dt * body->moorings[gauge->mooring].tension;
+    integral[0] = dt * hc_body_tension(gauges->bodies, body, gauge->mooring);
   else
     for (int k = 0; k < HC_GAUGE_COLUMNS; k++) integral[k] = dt * body->load[k];
 }
 
+/* What a step's sums mean: the integral over the step of each column of a gauge. */
 static void integrate(const hc_gauges *gauges, int g, double dt, double integral[HC_GAUGE_COLUMNS]) {
   const hc_gauge_state *state = &gauges->state[g];
   const hc_sum *sums = gauges->sums + state->first_sum;

@@ -17,8 +17,8 @@
  * - density: mean of the particles' densities; deep in the water it tells whether that has swollen. nan where
  *   there is none.
  * - body: where the centre of mass of a body is, how the body is turned since the start (roll, pitch, yaw
- * about the scene's x, y and z, in this order, degrees), its velocity and angular velocity, and the fluid's
- * force and torque about the centre of mass.
+ *   about the scene's x, y and z, in this order, degrees), its velocity and angular velocity, and the fluid's
+ *   force and torque about the centre of mass.
  * - mooring: the tension of a mooring.
  *
  * Boxes, rectangles and what is around a point are found through periodic images.

@@ -180,30 +180,41 @@ static void add_pull(const hc_body *body, const hc_pull *pull, double time, hc_t
   hc_twist_add_at(sum, arm, force);
 }
 
-static void add_mooring(const hc_bodies *bodies, const hc_body *body, hc_mooring *mooring, hc_twist *sum) {
-  const hc_twist velocity = {{body->velocity[0], body->velocity[1], body->velocity[2]}, {0.0, 0.0, 0.0}};
-  hc_twist moves = velocity;
+/* How hard a mooring pulls, N, and where it holds the body: the arm, and from there to its other end, of unit
+ * length. */
+static double tension_of(const hc_bodies *bodies, const hc_body *body, const hc_mooring *mooring,
+                         double arm[3], double along[3]) {
+  hc_twist moves;
+  memcpy(moves.linear, body->velocity, sizeof moves.linear);
   hc_body_spin(body, moves.angular);
-  double arm[3], at[3], along[3], square = 0.0, rate = 0.0;
+  double at[3];
   hc_body_turned(body, mooring->arm, arm);
   hc_twist_at(&moves, arm, at);
-  for (int axis = 0; axis < 3; axis++) {
+  for (int axis = 0; axis < 3; axis++)
     along[axis] =
         mooring->anchor[axis] - arm[axis] - hc_frame_to_metres(bodies->frame, axis, body->position[axis]);
-    square += along[axis] * along[axis];
-    rate -= along[axis] * at[axis];
-  }
-  const double length = sqrt(square);
-  mooring->tension = 0.0;
-  if (length == 0.0) return;
-  const double tension = mooring->stiffness * (length - mooring->length) + mooring->damping * rate / length;
-  if (!mooring->pushes && (length <= mooring->length || tension <= 0.0)) return;
-  mooring->tension = tension;
-  for (int axis = 0; axis < 3; axis++) along[axis] *= tension / length;
+  const double length = hc_vector_length(along);
+  hc_vector_normalize(along);
+  const double tension =
+      mooring->stiffness * (length - mooring->length) - mooring->damping * hc_vector_dot(along, at);
+  if (length == 0.0) return 0.0;
+  return mooring->pushes || (length > mooring->length && tension > 0.0) ? tension : 0.0;
+}
+
+double hc_body_tension(const hc_bodies *bodies, const hc_body *body, int mooring) {
+  double arm[3], along[3];
+  return tension_of(bodies, body, &body->moorings[mooring], arm, along);
+}
+
+static void add_mooring(const hc_bodies *bodies, const hc_body *body, const hc_mooring *mooring,
+                        hc_twist *sum) {
+  double arm[3], along[3];
+  const double tension = tension_of(bodies, body, mooring, arm, along);
+  for (int axis = 0; axis < 3; axis++) along[axis] *= tension;
   hc_twist_add_at(sum, arm, along);
 }
 
-hc_twist hc_body_pull(const hc_bodies *bodies, hc_body *body) {
+hc_twist hc_body_pull(const hc_bodies *bodies, const hc_body *body) {
   hc_twist sum = {.linear = {0.0, 0.0, 0.0}};
   const double square = bodies->central_rate * bodies->central_rate;
   for (int axis = 0; axis < 3; axis++) {

@@ -12,7 +12,7 @@
  *
  * Fluid that is nearly incompressible answers a body at once, so its solver must know how the body yields
  * while it looks for pressures (solver/yield.h): `shown` is the velocity that the solver works with, a
- * prediction. All functions are local. */
+ * prediction. All functions but hc_bodies_touch are local. */
 #ifndef HC_BODIES_H
 #define HC_BODIES_H
 
@@ -32,7 +32,6 @@ typedef struct hc_mooring {
   double arm[3], anchor[3];          /* m: as of a pull; the fixed end, in the scene */
   double length, stiffness, damping; /* m, N/m, N s/m */
   bool pushes;                       /* when it is shorter, too */
-  double tension;                    /* N: in the last step */
 } hc_mooring;
 
 /* Linear, and about the centre of mass: a velocity (m/s, rad/s), an impulse (N s, N m s), a force (N, N m).
@@ -57,7 +56,7 @@ typedef struct hc_body {
   double velocity[3];  /* state: m/s, of the centre of mass */
   double momentum[3];  /* state: kg m2/s, about it; 0 where turns are locked */
   double held[6]; /* state: force and torque that the last step found beside what the solver reckoned with: of
-                     contacts, friction; the next expects them */
+                     contacts that bear, friction; the next expects them */
   double load[6]; /* state: force and torque of the fluid in the last step, N, N m */
 
   double compliance[3][3]; /* 1/(kg m2): spin by angular momentum, as it stands */
@@ -95,7 +94,10 @@ hc_body *hc_bodies_of(const hc_bodies *bodies, int wall);
 void hc_bodies_pose(hc_bodies *bodies, double time, hc_movers *movers);
 
 /* Gravity, pulls and moorings, N and N m, as the body stands and moves. */
-hc_twist hc_body_pull(const hc_bodies *bodies, hc_body *body);
+hc_twist hc_body_pull(const hc_bodies *bodies, const hc_body *body);
+
+/* The tension of one of its moorings, N. */
+double hc_body_tension(const hc_bodies *bodies, const hc_body *body, int mooring);
 
 /* Changes what the solver works with by an impulse. */
 void hc_body_push_shown(hc_body *body, const hc_twist *impulse);

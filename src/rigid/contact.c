@@ -18,7 +18,7 @@ static const double DONE = 1e-6;   /* of a spacing a step: changes so small end 
 
 enum { DIRECTIONS = 26, KEYS = DIRECTIONS + 1, SIDES = 6, PASSES = 200 };
 
-/* A sample of a body in contact. Zeroed before it is filled: points are compared and sent as bytes. */
+/* A sample of a body in contact. Zeroed before it is filled: points are sent as bytes. */
 typedef struct point {
   int32_t body, other;  /* numbers of surfaces */
   int32_t side, unused; /* of the normal */
@@ -202,11 +202,8 @@ static void list_points(const patches *patches, points *list) {
 }
 
 /* The points of all ranks, the same on each, in an order of their own. */
-static points find_points(hc_bodies *bodies, hc_world *world, double dt) {
-  finder f = {.bodies = bodies,
-              .world = world,
-              .spacing = 2.0 * (double)world->sweep.wall_offset * (double)world->sweep.support,
-              .dt = dt};
+static points find_points(hc_bodies *bodies, hc_world *world, double spacing, double dt) {
+  finder f = {bodies, world, spacing, dt};
   hc_particles *const moving = world->moving;
   points nearest = {.count = 0}, list = {.count = 0};
   patches found = {.count = 0};
@@ -323,9 +320,8 @@ static contact make(const hc_bodies *bodies, const point *point, double spacing,
   double velocity[3];
   relative(&c, velocity);
   const hc_twist pull = hc_body_pull(bodies, c.body);
-  const double speed = hc_vector_dot(velocity, c.axis[0]),
-               fall =
-                   fmax(hc_vector_length(bodies->gravity), hc_vector_length(pull.linear) / c.body->mass) * dt;
+  const double speed = hc_vector_dot(velocity, c.axis[0]), pulled = hc_vector_length(pull.linear);
+  const double fall = fmax(hc_vector_length(bodies->gravity), pulled / c.body->mass) * dt;
   const double deep = fmin(0.0, point->gap + SLACK * spacing);
   c.least = point->gap > 0.0 ? -point->gap / dt : fmin(-LET_OUT * deep, FASTEST * spacing) / dt;
   if (bounces > 0.0 && speed < -BOUNCE * fall && speed < c.least) c.least = -bounces * speed;
@@ -352,8 +348,8 @@ void hc_contact_resolve(hc_bodies *bodies, hc_world *world, double dt) {
     memcpy(body->shown.linear, body->velocity, sizeof body->shown.linear);
     hc_body_spin(body, body->shown.angular);
   }
-  points found = find_points(bodies, world, dt);
   const double spacing = 2.0 * (double)world->sweep.wall_offset * (double)world->sweep.support;
+  points found = find_points(bodies, world, spacing, dt);
   contact *const contacts = hc_alloc(found.count, sizeof *contacts);
   for (size_t k = 0; k < found.count; k++) contacts[k] = make(bodies, &found.at[k], spacing, dt);
   solve(contacts, found.count, DONE * spacing / dt);

@@ -15,8 +15,7 @@
 #include "bodies.h"
 
 /* Changes the momenta of bodies so that over dt none goes into a wall or another. Collective: one gather.
- * Before: the
- * world is placed as the bodies stand, hc_bodies_touch. */
+ * Before: the world is placed as the bodies stand, and hc_bodies_touch. */
 void hc_contact_resolve(hc_bodies *bodies, hc_world *world, double dt);
 
 #endif

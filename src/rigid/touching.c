@@ -43,9 +43,8 @@ static float counted_volume(const hc_world *world, int first, const hc_particles
 
 /* Own samples that stand still in or next to cells with moving ones. */
 static void choose(hc_touching *touching, const hc_world *world) {
-  const hc_cells *const moving = &world->stores[HC_STORE_MOVING].cells, *const walls =
-                                                                            &world->stores[HC_STORE_BOUNDARY]
-                                                                                 .cells;
+  const hc_cells *const moving = &world->stores[HC_STORE_MOVING].cells;
+  const hc_cells *const walls = &world->stores[HC_STORE_BOUNDARY].cells;
   int32_t brick = -1, adjacent[HC_ADJACENT];
   bool any = false;
   touching->count = 0;

@@ -24,9 +24,8 @@ static void complete(hc_scene_body *body, const hc_given *given) {
   if (!hc_given_has(given, "center_of_mass"))
     memcpy(body->center_of_mass, solid.centre, sizeof body->center_of_mass);
   if (!hc_given_has(given, "position")) memcpy(body->position, body->center_of_mass, sizeof body->position);
-  const hc_given_value *const forces = hc_given_value_of(given, "forces"), *const moorings =
-                                                                               hc_given_value_of(given,
-                                                                                                 "moorings");
+  const hc_given_value *const forces = hc_given_value_of(given, "forces");
+  const hc_given_value *const moorings = hc_given_value_of(given, "moorings");
   for (int k = 0; k < body->force_count; k++)
     if (!hc_given_has(&forces->items[k], "at"))
       memcpy(body->forces[k].at, body->position, sizeof body->position);
@@ -86,25 +85,28 @@ static void hang(const hc_scene_body *given, hc_body *body) {
   }
 }
 
-/* `frame` null: what it weighs and hangs on alone. */
-static void make(const hc_scene_body *given, const hc_setup_source *source, const hc_frame *frame,
-                 hc_body *body) {
+/* Mass, and inertia as it starts. */
+static void weigh(const hc_scene_body *given, const hc_setup_source *source, hc_body *body) {
   const hc_solid solid = hc_solid_of(&source->shape);
   const double density = given->mass > 0.0 ? given->mass / solid.volume : given->density;
-  *body = (hc_body){.wall = (int)source->number,
-                    .mass = density * solid.volume,
-                    .locked = given->locked,
-                    .friction = given->friction,
-                    .restitution = given->restitution,
-                    .turn = {1.0, 0.0, 0.0, 0.0}};
   double inertia[3][3];
+  body->mass = density * solid.volume;
   memcpy(inertia, solid.inertia, sizeof inertia);
   for (int a = 0; a < 3; a++)
     for (int b = 0; b < 3 && given->gyration[0] > 0.0; b++)
       inertia[a][b] = a == b ? solid.volume * given->gyration[a] * given->gyration[a] : 0.0;
   turn_inertia(source->start.turn, inertia, density, body->inertia);
+}
+
+static void make(const hc_scene_body *given, const hc_setup_source *source, const hc_frame *frame,
+                 hc_body *body) {
+  *body = (hc_body){.wall = (int)source->number,
+                    .locked = given->locked,
+                    .friction = given->friction,
+                    .restitution = given->restitution,
+                    .turn = {1.0, 0.0, 0.0, 0.0}};
+  weigh(given, source, body);
   hang(given, body);
-  if (!frame) return;
   body->reach = fmax(hc_prescribed_reach(frame, source, source->start.from), hc_trace_spacing(frame));
   for (int a = 0; a < 3; a++) {
     body->centre[a] = given->position[a];
@@ -200,21 +202,22 @@ static void review_size(const hc_scene *scene, const hc_setup_source *body, int 
                     solid.volume, thickness);
 }
 
-/* Moorings pull by where the body is as a step begins, which swings a body apart that is too light for the
- * step.
+/* Moorings pull by where the body is as a step begins: one that is too light for the step swings ever wider.
  */
 static void review_moorings(const hc_scene *scene, const hc_setup_source *source, int number,
                             hc_findings *findings) {
   const hc_scene_body *const body = &scene->bodies[number];
   if (body->mooring_count == 0) return;
   const double longest = hc_setup_control_longest(scene);
-  hc_body made;
-  make(body, source, NULL, &made);
+  hc_body weighed;
+  weigh(body, source, &weighed);
+  double least = INFINITY;
+  for (int a = 0; a < 3; a++) least = fmin(least, weighed.inertia[a][a]);
   for (int k = 0; k < body->mooring_count; k++) {
     const hc_scene_mooring *const mooring = &body->moorings[k];
-    double least = INFINITY;
-    for (int a = 0; a < 3; a++) least = fmin(least, made.inertia[a][a]);
-    const double arm = hc_vector_length(made.moorings[k].arm), yields = 1.0 / made.mass + arm * arm / least;
+    double arm[3];
+    hc_vector_minus(mooring->at, body->position, arm);
+    const double yields = 1.0 / weighed.mass + hc_vector_dot(arm, arm) / least;
     const double stiffness = longest * longest * yields * mooring->stiffness,
                  damping = longest * yields * mooring->damping;
     if (stiffness <= 1.0 && damping <= 1.0) continue;
@@ -226,8 +229,6 @@ static void review_moorings(const hc_scene *scene, const hc_setup_source *source
         stiffness > 1.0 ? "stiffness" : "damping",
         stiffness > 1.0 ? mooring->stiffness / stiffness : mooring->damping / damping);
   }
-  hc_free(made.pulls);
-  hc_free(made.moorings);
 }
 
 /* Arms from the centre of mass go to the nearest image. */

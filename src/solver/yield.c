@@ -61,7 +61,7 @@ static hc_twist impulse_on(const hc_impulses *impulses, const hc_body *body, int
 
 /* ---- who is next to what ---- */
 
-/* The pair of a particle and a body, which is the last of its pairs or new. */
+/* The pair of a particle and a body: one of the particle's, which begin at `first`, or a new one. */
 static hc_yield_pair *pair_of(hc_yield *yield, size_t first, int32_t particle, int32_t body) {
   for (size_t k = first; k < yield->count; k++)
     if (yield->pairs[k].body == body) return &yield->pairs[k];

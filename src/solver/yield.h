@@ -75,7 +75,7 @@ void hc_yield_retry(hc_yield *yield, double diagonal);
 void hc_yield_show(hc_yield *yield);
 
 /* Behind a step of dt: notes in a tally what the fluid pushed bodies with in it, as wall_force.h sees it; and
- * once that is reduced, adds it and all other forces to the bodies' momenta. Local; act: HC_FAILED, the same
+ * once that is reduced, adds it and all other forces to the bodies' momenta. Local; take: HC_FAILED, the same
  * on every rank, if a force is beyond all measure. */
 void hc_yield_note_loads(hc_impulses *loads, const hc_world *world, hc_bodies *bodies, double dt,
                          hc_tally *tally);

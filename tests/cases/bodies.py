@@ -7,18 +7,12 @@ Scenes are put together here; bodies.yaml has something of everything.
 import csv
 import math
 
+import h5py
+import numpy as np
+
 import case as c
 
 SCENE = "tests/cases/bodies.yaml"
-
-
-def compare(case, one, other):
-    for name in ("steps.csv", "gauges.csv"):
-        c.expect_same_text(one / name, other / name)
-    ours, theirs = c.snapshots(one), c.snapshots(other)
-    c.expect([p.name for p in ours] == [p.name for p in theirs], f"snapshots {ours} and {theirs}")
-    for left, right in zip(ours, theirs):
-        case.diff(left, right)
 
 
 def gauges(output):
@@ -40,12 +34,12 @@ def bits(case, steps):
                         f"parallel.decomposition={'metis' if ranks % 2 else 'slabs'}")
             forced = case.run(SCENE, f"{name}_{ranks}", ranks, settings, options)
             c.expect("rebalance" in (forced / "load.csv").read_text(encoding="utf-8"), f"{forced}: no rebalance")
-            compare(case, plain, forced)
+            case.same(plain, forced)
         far = case.run(SCENE, f"{name}_far", 2, (*method, "origin_cells=[1000000,0,-1000000]"), options)
         for text in ("steps.csv", "gauges.csv"):
             c.expect_same_text(plain / text, far / text)
     shock = [case.run(SCENE, f"shock_{ranks}", ranks, (*METHODS["pcisph"], "faults.shock_at=20"), ["--steps", 40]) for ranks in (1, 3)]
-    compare(case, *shock)
+    case.same(*shock)
     c.expect(any("rollback" in row["event"] for row in c.steps(shock[0])), "no step was taken back")
     return f"{', '.join(METHODS)}: the same on 1 to 7 ranks, with rebalances, a rollback, and far away"
 
@@ -61,7 +55,7 @@ def restart(case, steps):
         half = len(c.steps(whole)) // 2
         case.call([*start, "--steps", half], 3)
         case.call([*start, "--restart"], 1)
-        compare(case, whole, output)
+        case.same(whole, output)
     return f"{', '.join(METHODS)}: stopped half-way on 3 ranks, gone on with on 1: the same bytes"
 
 
@@ -86,8 +80,6 @@ output: {gauges_every: 0.01, gauges: [{name: ball, type: body, body: ball}], sna
                                 ("wcsph", ("solver.method=wcsph", "fluid.viscosity={model: artificial, coefficient: 0.1}",
                                            "solver.sound_speed=40"), 1e-5)):
         output = case.run(scene, f"momentum_{name}", 2, method)
-        import h5py
-        import numpy as np
         ends = []
         rows = gauges(output)
         for path, row in ((c.snapshots(output)[0], rows[0]), (c.snapshots(output)[-1], rows[-1])):

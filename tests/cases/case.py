@@ -80,6 +80,15 @@ class Case:
         """halocline diff of two snapshots; a difference is a failure."""
         self.call(["diff", one, other])
 
+    def same(self, one, other):
+        """Two runs agree in steps.csv, gauges.csv and every snapshot."""
+        for name in ("steps.csv", "gauges.csv"):
+            expect_same_text(one / name, other / name)
+        ours, theirs = snapshots(one), snapshots(other)
+        expect([p.name for p in ours] == [p.name for p in theirs], f"snapshots {ours} and {theirs}")
+        for left, right in zip(ours, theirs):
+            self.diff(left, right)
+
 
 def snapshots(output):
     found = sorted((output / "snapshots").glob("snap_*.hdf"))
