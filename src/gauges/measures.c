@@ -176,7 +176,7 @@ static void add_push(void *context, const hc_wall_push *push) {
     double arm[3];
     for (int axis = 0; axis < 3; axis++) { /* to the nearest image */
       const double period = (double)gauges->frame->period[axis] * gauges->frame->unit[axis];
-      arm[axis] = push->at[axis] - state->at[axis];
+      arm[axis] = push->by[axis] - push->from[axis] - state->at[axis];
       if (period > 0.0) arm[axis] -= period * rint(arm[axis] / period);
     }
     const double *f = push->force;
@@ -196,6 +196,6 @@ void hc_measure_wall_push(const hc_gauges *gauges, const hc_sweep *sweep, double
   bool *const wanted = hc_alloc_zero((size_t)hc_scene_surfaces(scene) + 1, sizeof *wanted);
   for (int g = 0; g < scene->output.gauge_count; g++)
     if (gauges->state[g].wall >= 0) wanted[gauges->state[g].wall] = true;
-  hc_wall_force_each(sweep, gauges->frame, dt, wanted, add_push, &(taking){gauges, sums});
+  hc_wall_force_each(sweep, gauges->frame, dt, wanted, false, add_push, &(taking){gauges, sums});
   hc_free(wanted);
 }

@@ -96,16 +96,16 @@ static void note_nearest(points *nearest, const point *found) {
   nearest->at[nearest->count++] = *found;
 }
 
-/* Does sample k of a body touch anything? */
-static void look_at(finder *f, const hc_body *body, int32_t k, points *nearest) {
+/* Does sample k of a body touch anything? `row`: of the list of what is around. */
+static void look_at(finder *f, const hc_body *body, int32_t k, int32_t row, points *nearest) {
   const hc_particles *const moving = f->world->moving, *const boundary = f->world->boundary;
-  const hc_neighbors *const list = &f->bodies->touching.list;
-  const uint32_t *const row = hc_list_row(list, k);
+  const hc_neighbors *const list = &f->bodies->touching.moving.list;
+  const uint32_t *const offset = hc_list_row(list, row);
   double arm[3], own[3];
   hc_body_arm(f->bodies, body, &moving->position[3 * (size_t)k], arm);
   hc_twist_at(&body->shown, arm, own);
-  for (int32_t n = 0; n < hc_list_count(list, k); n++) {
-    const int32_t b = (int32_t)(row[n] / sizeof(hc_record));
+  for (int32_t n = 0; n < hc_list_count(list, row); n++) {
+    const int32_t b = (int32_t)(offset[n] / sizeof(hc_record));
     const int32_t other = (int32_t)boundary->motion[b].scalar;
     if (other == body->wall) continue;
     point found;
@@ -207,11 +207,13 @@ static points find_points(hc_bodies *bodies, hc_world *world, double spacing, do
   hc_particles *const moving = world->moving;
   points nearest = {.count = 0}, list = {.count = 0};
   patches found = {.count = 0};
-  for (int32_t k = 0; k < moving->own; k++) {
+  const hc_touching_side *const side = &bodies->touching.moving;
+  for (int32_t row = 0; row < side->count; row++) {
+    const int32_t k = side->index[row];
     const hc_body *const body = hc_bodies_of(bodies, (int)hc_id_source_of(moving->id[k]));
     if (!body) continue;
     nearest.count = 0;
-    look_at(&f, body, k, &nearest);
+    look_at(&f, body, k, row, &nearest);
     for (size_t n = 0; n < nearest.count; n++) enter(&found, &nearest.at[n]);
   }
   list_points(&found, &list);
@@ -348,6 +350,7 @@ void hc_contact_resolve(hc_bodies *bodies, hc_world *world, double dt) {
     memcpy(body->shown.linear, body->velocity, sizeof body->shown.linear);
     hc_body_spin(body, body->shown.angular);
   }
+  if (!bodies->touching.any) return;
   const double spacing = 2.0 * (double)world->sweep.wall_offset * (double)world->sweep.support;
   points found = find_points(bodies, world, spacing, dt);
   contact *const contacts = hc_alloc(found.count, sizeof *contacts);

@@ -8,14 +8,19 @@
 
 void hc_touching_init(hc_touching *touching) {
   memset(touching, 0, sizeof *touching);
-  hc_neighbors_init(&touching->list);
-  hc_neighbors_init(&touching->near);
+  hc_neighbors_init(&touching->moving.list);
+  hc_neighbors_init(&touching->still.list);
+}
+
+static void free_side(hc_touching_side *side) {
+  hc_neighbors_free(&side->list);
+  hc_free(side->index);
+  hc_free(side->marks);
 }
 
 void hc_touching_free(hc_touching *touching) {
-  hc_neighbors_free(&touching->list);
-  hc_neighbors_free(&touching->near);
-  hc_free(touching->index);
+  free_side(&touching->moving);
+  free_side(&touching->still);
 }
 
 /* The volume that counts of sample k of a store, whose row is of these records. */
@@ -41,52 +46,92 @@ static float counted_volume(const hc_world *world, int first, const hc_particles
   return (float)(volume / (1.0 + volume * sum / world->volume_factor));
 }
 
-/* Own samples that stand still in or next to cells with moving ones. */
-static void choose(hc_touching *touching, const hc_world *world) {
+static void clear_marks(hc_touching_side *side, const hc_cells *cells) {
+  const size_t bricks = (size_t)cells->bricks.count;
+  hc_reserve((void **)&side->marks, &side->marks_room, bricks + 1, 0, sizeof *side->marks);
+  memset(side->marks, 0, bricks * sizeof *side->marks);
+}
+
+/* Is a sample of another surface in the cell? Its samples ascend by id, which begins with the surface. */
+static bool has_other(const hc_cells *cells, const hc_particles *samples, int32_t brick, int cell,
+                      float wall) {
+  const int32_t count = cells->count[brick][cell];
+  const hc_record *const first = &samples->motion[cells->begin[brick][cell]];
+  return count > 0 && (first->scalar != wall || first[count - 1].scalar != wall);
+}
+
+/* Marks a cell of moving samples, and those around it, where there are other surfaces. `beside`, `around`:
+ * the bricks around its own of samples that stand still, null where there are none, and of those that move.
+ */
+static void mark_around(hc_touching *touching, const hc_world *world, int32_t brick, int cell,
+                        const int32_t beside[HC_ADJACENT], const int32_t around[HC_ADJACENT]) {
+  const hc_cells *const still = &world->stores[HC_STORE_BOUNDARY].cells;
   const hc_cells *const moving = &world->stores[HC_STORE_MOVING].cells;
-  const hc_cells *const walls = &world->stores[HC_STORE_BOUNDARY].cells;
-  int32_t brick = -1, adjacent[HC_ADJACENT];
-  bool any = false;
-  touching->count = 0;
-  for (int32_t k = 0; k < walls->own_cell_count; k++) {
-    const int32_t slot = walls->own_cells[k], cell = slot % HC_BRICK_CELLS;
-    if (slot / HC_BRICK_CELLS != brick) {
-      brick = slot / HC_BRICK_CELLS;
-      any = hc_brick_set_around(&moving->bricks, walls->bricks.bricks[brick], adjacent);
-    }
-    if (!any || !hc_cells_any_around(moving, adjacent, cell)) continue;
-    const int32_t first = walls->begin[brick][cell], count = walls->count[brick][cell];
-    hc_reserve((void **)&touching->index, &touching->room, 2 * (size_t)(touching->count + count),
-               (size_t)touching->count, sizeof *touching->index);
-    for (int32_t n = 0; n < count; n++) touching->index[touching->count++] = first + n;
+  const float wall = world->moving->motion[moving->begin[brick][cell]].scalar;
+  bool other = false;
+  for (int way = 0; way < HC_ADJACENT; way++) {
+    int there;
+    const int32_t next = hc_cells_next(around, cell, way, &there);
+    other = other || (next >= 0 && has_other(moving, world->moving, next, there, wall));
+    const int32_t near = beside ? hc_cells_next(beside, cell, way, &there) : -1;
+    if (near < 0 || still->count[near][there] == 0) continue;
+    touching->still.marks[near] |= (uint64_t)1 << there;
+    other = true;
+  }
+  if (other) touching->moving.marks[brick] |= (uint64_t)1 << cell;
+}
+
+static void mark(hc_touching *touching, const hc_world *world) {
+  const hc_cells *const still = &world->stores[HC_STORE_BOUNDARY].cells;
+  const hc_cells *const moving = &world->stores[HC_STORE_MOVING].cells;
+  int32_t beside[HC_ADJACENT], around[HC_ADJACENT];
+  clear_marks(&touching->still, still);
+  clear_marks(&touching->moving, moving);
+  for (int32_t brick = 0; brick < moving->bricks.count; brick++) {
+    const hc_brick place = moving->bricks.bricks[brick];
+    const bool any = hc_brick_set_around(&still->bricks, place, beside);
+    hc_brick_set_around(&moving->bricks, place, around);
+    for (int cell = 0; cell < HC_BRICK_CELLS; cell++)
+      if (moving->count[brick][cell] > 0)
+        mark_around(touching, world, brick, cell, any ? beside : NULL, around);
   }
 }
 
-static void refresh_still(hc_touching *touching, hc_world *world, int first) {
-  hc_particles *const walls = world->boundary;
-  hc_store *const stores = world->stores;
-  const hc_neighbor_source source = {&stores[HC_STORE_MOVING].cells, world->moving};
-  for (int32_t k = 0; k < walls->own; k++) walls->place[k].scalar = walls->volume[k];
-  choose(touching, world);
-  const hc_selection chosen = {touching->index, 0, touching->count, false};
-  hc_neighbors_build(&touching->near, &world->search, &stores[HC_STORE_BOUNDARY].cells, walls, chosen,
-                     &source, 1);
-  for (int32_t k = 0; k < touching->count; k++) {
-    const int32_t i = touching->index[k];
-    walls->place[i].scalar = counted_volume(world, first, walls, i, &touching->near, k, world->moving);
+/* The own samples of marked cells. */
+static void choose(hc_touching_side *side, const hc_cells *cells) {
+  side->count = 0;
+  for (int32_t k = 0; k < cells->own_cell_count; k++) {
+    const int32_t brick = cells->own_cells[k] / HC_BRICK_CELLS, cell = cells->own_cells[k] % HC_BRICK_CELLS;
+    if (!(side->marks[brick] >> cell & 1)) continue;
+    const int32_t first = cells->begin[brick][cell], count = cells->count[brick][cell];
+    hc_reserve((void **)&side->index, &side->index_room, 2 * (size_t)(side->count + count),
+               (size_t)side->count, sizeof *side->index);
+    for (int32_t n = 0; n < count; n++) side->index[side->count++] = first + n;
+  }
+}
+
+/* Finds who is near samples of a store, and what volumes count. */
+static void refresh(hc_touching_side *side, hc_world *world, hc_store *store, int first,
+                    const hc_neighbor_source *sources, int source_count) {
+  hc_particles *const own = &store->particles;
+  choose(side, &store->cells);
+  hc_neighbors_build(&side->list, &world->search, &store->cells, own,
+                     (hc_selection){side->index, 0, side->count, false}, sources, source_count);
+  for (int32_t k = 0; k < side->count; k++) {
+    const int32_t i = side->index[k];
+    own->place[i].scalar = counted_volume(world, first, own, i, &side->list, k, sources[0].particles);
   }
 }
 
 void hc_touching_refresh(hc_touching *touching, hc_world *world, int first) {
-  hc_particles *const moving = world->moving;
-  hc_store *const stores = world->stores;
-  const hc_neighbor_source sources[2] = {{&stores[HC_STORE_BOUNDARY].cells, world->boundary},
-                                         {&stores[HC_STORE_MOVING].cells, moving}};
-  hc_neighbors_build(&touching->list, &world->search, &stores[HC_STORE_MOVING].cells, moving,
-                     hc_select_all(moving), sources, 2);
-  for (int32_t k = 0; k < moving->own; k++)
-    moving->place[k].scalar = counted_volume(world, first, moving, k, &touching->list, k, world->boundary);
-  refresh_still(touching, world, first);
-  hc_halo_refresh(&stores[HC_STORE_BOUNDARY].halo, HC_SCALAR(place));
-  hc_halo_refresh(&stores[HC_STORE_MOVING].halo, HC_SCALAR(place));
+  hc_store *const still = &world->stores[HC_STORE_BOUNDARY], *const moving = &world->stores[HC_STORE_MOVING];
+  const hc_neighbor_source sources[2] = {{&still->cells, world->boundary}, {&moving->cells, world->moving}};
+  mark(touching, world);
+  refresh(&touching->moving, world, moving, first, sources, 2);
+  touching->any = touching->moving.count > 0;
+  for (int32_t k = 0; k < world->boundary->own; k++)
+    world->boundary->place[k].scalar = world->boundary->volume[k];
+  refresh(&touching->still, world, still, first, &sources[1], 1);
+  hc_halo_refresh(&still->halo, HC_SCALAR(place));
+  hc_halo_refresh(&moving->halo, HC_SCALAR(place));
 }

@@ -10,12 +10,19 @@
 
 #include "world/world.h"
 
-typedef struct hc_touching {
-  hc_neighbors list; /* own moving samples -> all samples */
-  hc_neighbors near; /* chosen samples that stand still -> moving ones */
-  int32_t *index;    /* those chosen, ascending */
+/* Own samples of a store that may touch something, ascending, each a row of the list of what is around. */
+typedef struct hc_touching_side {
+  hc_neighbors list;
+  int32_t *index;
   int32_t count;
-  size_t room;
+  uint64_t *marks; /* of each brick, a bit for each cell with such samples */
+  size_t index_room, marks_room;
+} hc_touching_side;
+
+typedef struct hc_touching {
+  hc_touching_side moving; /* -> all samples */
+  hc_touching_side still;  /* -> moving samples */
+  int64_t any; /* there are such moving samples here; once the solver has asked all ranks, on any */
 } hc_touching;
 
 void hc_touching_init(hc_touching *touching);

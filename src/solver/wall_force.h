@@ -6,12 +6,14 @@
 #include "space/frame.h"
 #include "sph/sweeps.h"
 
-/* What one particle puts on one sample of a wall. */
+/* What one particle puts on one sample of a wall, or on all its samples at once. */
 typedef struct hc_wall_push {
-  int wall;        /* its number in the scene */
-  double force[3]; /* N */
-  double at[3];    /* of the sample, m, scene coordinates, through the particle's periodic image */
-  double from[3];  /* from there to the particle, m */
+  int wall;         /* its number in the scene */
+  int32_t particle; /* its pushes come one after another */
+  double force[3];  /* N */
+  double moment[3]; /* N m, about the particle */
+  double by[3];     /* the particle's place, m, scene coordinates */
+  double from[3];   /* m: from the sample, its image that is nearest, to the particle; at once: 0 */
 } hc_wall_push;
 
 /* How long after the beginning of a step of dt its pushes are where they are, s: 0, or dt where walls are
@@ -24,8 +26,9 @@ typedef void (*hc_wall_push_taker)(void *context, const hc_wall_push *push);
  * step of `dt` that has just moved them: pressure, m/rho0 p V_b grad W a pair by how the walls take part;
  * viscosity (wall_drag.h), with the velocities of the step's beginning (dfsph takes those behind its
  * divergence solve: half a percent of the weight); and the momentum that contacts and friction took, shared
- * out among the samples that are near. Lists and records are the step's. Local. */
+ * out among the samples that are near. `at_once`: what goes to one wall only comes in one push, without that
+ * sharing among its samples. Lists and records are the step's. Local. */
 void hc_wall_force_each(const hc_sweep *sweep, const hc_frame *frame, double dt, const bool *wanted,
-                        hc_wall_push_taker take, void *context);
+                        bool at_once, hc_wall_push_taker take, void *context);
 
 #endif

@@ -8,20 +8,32 @@
 
 #include <math.h>
 
-/* N/D_0 where wall densities go with the square (see hc_sweep.flat_wall), else 0. */
+/* What weights of a sample's normal are times, m3: 0 where wall densities do not go with the square (see
+ * hc_sweep.flat_wall). */
+static inline double hc_wall_weight_scale(const hc_sweep *sweep) {
+  return sweep->flat_wall > 0.0f ? (double)sweep->kernel / (double)sweep->flat_wall : 0.0;
+}
+
+/* Adds what sample b, at distance q in support radii, has in N/D_0. */
+static inline void hc_wall_weight_add(const hc_sweep *sweep, double scale, int32_t b, double q,
+                                      double normal[3]) {
+  if (scale == 0.0) return;
+  const hc_record *const n = &sweep->boundary->facing[b];
+  const double weight =
+      scale * hc_kernel_shape(q) * (double)sweep->boundary->place[b].scalar * fabs((double)n->scalar);
+  for (int axis = 0; axis < 3; axis++) normal[axis] += weight * (double)n->v[axis];
+}
+
+/* N/D_0 of a particle; 0 where it does not count. */
 static inline void hc_wall_weight_normal(const hc_sweep *sweep, int32_t i, double normal[3]) {
   const uint32_t *const row = hc_list_row(sweep->walls, i);
+  const double scale = hc_wall_weight_scale(sweep);
   normal[0] = normal[1] = normal[2] = 0.0;
-  if (sweep->flat_wall == 0.0f) return;
   for (int32_t k = 0; k < hc_list_count(sweep->walls, i); k++) {
     const int32_t b = (int32_t)(row[k] / sizeof(hc_record));
-    const hc_record *const n = &sweep->boundary->facing[b];
     double d[3];
     hc_sweep_from_wall(sweep, i, b, d);
-    const double weight = hc_kernel_shape(sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])) *
-                          (double)sweep->kernel / (double)sweep->flat_wall *
-                          (double)sweep->boundary->place[b].scalar * fabs((double)n->scalar);
-    for (int axis = 0; axis < 3; axis++) normal[axis] += weight * (double)n->v[axis];
+    hc_wall_weight_add(sweep, scale, b, sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), normal);
   }
 }
 

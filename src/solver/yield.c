@@ -265,26 +265,48 @@ void hc_yield_show(hc_yield *yield) {
 
 /* ---- behind a step ---- */
 
+/* What one particle pushes one body with: force, and moment about the particle. */
 typedef struct taking {
   hc_impulses *loads;
   const hc_bodies *bodies;
-  double dt;
+  const hc_body *body; /* null: nothing yet */
+  int32_t particle;
+  double dt, by[3]; /* by: its place, m */
+  hc_twist force;
 } taking;
 
-static void take_push(void *context, const hc_wall_push *push) {
-  const taking *const t = context;
-  const hc_body *const body = hc_bodies_of(t->bodies, push->wall);
-  if (!body) return;
+/* Enters what the particle has pushed the body with. */
+static void finish_taking(taking *t) {
+  if (!t->body) return;
   double linear[3], arm[3], angular[3];
   for (int axis = 0; axis < 3; axis++) {
     const hc_frame *const frame = t->bodies->frame;
     const double period = (double)frame->period[axis] * frame->unit[axis];
-    linear[axis] = t->dt * push->force[axis];
-    arm[axis] = push->at[axis] - hc_frame_to_metres(frame, axis, body->position[axis]);
+    linear[axis] = t->dt * t->force.linear[axis];
+    arm[axis] = t->by[axis] - hc_frame_to_metres(frame, axis, t->body->position[axis]);
     if (period > 0.0) arm[axis] -= period * rint(arm[axis] / period);
   }
   hc_vector_cross(arm, linear, angular);
-  add_impulse(t->loads, body, (int)(body - t->bodies->body), linear, angular);
+  for (int axis = 0; axis < 3; axis++) angular[axis] += t->dt * t->force.angular[axis];
+  add_impulse(t->loads, t->body, (int)(t->body - t->bodies->body), linear, angular);
+}
+
+static void take_push(void *context, const hc_wall_push *push) {
+  taking *const t = context;
+  const int number = push->wall - t->bodies->first;
+  if (number < 0) return;
+  const hc_body *const body = &t->bodies->body[number];
+  if (body != t->body || push->particle != t->particle) {
+    finish_taking(t);
+    t->body = body;
+    t->particle = push->particle;
+    t->force = (hc_twist){{0.0}, {0.0}};
+    memcpy(t->by, push->by, sizeof t->by);
+  }
+  for (int axis = 0; axis < 3; axis++) {
+    t->force.linear[axis] += push->force[axis];
+    t->force.angular[axis] += push->moment[axis];
+  }
 }
 
 void hc_yield_note_loads(hc_impulses *loads, const hc_world *world, hc_bodies *bodies, double dt,
@@ -293,9 +315,12 @@ void hc_yield_note_loads(hc_impulses *loads, const hc_world *world, hc_bodies *b
   start_impulses(loads, world, bodies, dt);
   bool *const wanted = hc_alloc_zero((size_t)(bodies->first + bodies->count), sizeof *wanted);
   for (int k = 0; k < bodies->count; k++) wanted[bodies->first + k] = true;
-  hc_wall_force_each(&world->sweep, &world->frame, dt, wanted, take_push, &(taking){loads, bodies, dt});
+  taking taking = {.loads = loads, .bodies = bodies, .dt = dt};
+  hc_wall_force_each(&world->sweep, &world->frame, dt, wanted, true, take_push, &taking);
+  finish_taking(&taking);
   hc_free(wanted);
   note_impulses(loads, tally);
+  hc_tally_max_i64(tally, &bodies->touching.any, 1);
 }
 
 hc_status hc_yield_take_loads(hc_impulses *loads, hc_bodies *bodies, double dt, hc_error *error) {
