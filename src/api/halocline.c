@@ -2,6 +2,7 @@
 #include "halocline/halocline.h"
 
 #include "base/memory.h"
+#include "io/rest_file.h"
 #include "io/run_dir.h"
 #include "io/snapshot.h"
 #include "io/text.h"
@@ -63,7 +64,7 @@ static hc_status make_run(hc_session *session, const hc_scene_input *input, hc_r
   *run = NULL;
   if (hc_scene_input_read(made->comm, input, &made->scene, NULL, &problem) == HC_OK) {
     if (hc_simulation_init(&made->simulation, made->comm, &made->scene, &problem) == HC_OK) {
-      hc_scene_free_surfaces(&made->scene);
+      if (!hc_setup_has_refills(&made->scene)) hc_scene_free_surfaces(&made->scene);
       *run = made;
     } else {
       hc_scene_free(&made->scene);
@@ -75,13 +76,13 @@ static hc_status make_run(hc_session *session, const hc_scene_input *input, hc_r
 
 hc_status hc_run_from_file(hc_session *session, const char *path, const char *const *overrides,
                            int override_count, hc_run **run, hc_error *error) {
-  const hc_scene_input input = {path, NULL, overrides, override_count};
+  const hc_scene_input input = {path, NULL, overrides, override_count, hc_rest_file_read};
   return make_run(session, &input, run, error);
 }
 
 hc_status hc_run_from_text(hc_session *session, const char *text, const char *const *overrides,
                            int override_count, hc_run **run, hc_error *error) {
-  const hc_scene_input input = {"scene", text, overrides, override_count};
+  const hc_scene_input input = {"scene", text, overrides, override_count, hc_rest_file_read};
   return make_run(session, &input, run, error);
 }
 

@@ -12,6 +12,7 @@
 #include "estimate.h"
 #include "geometry/solid.h"
 #include "io/json.h"
+#include "io/rest_file.h"
 #include "io/text.h"
 #include "setup/scene_input.h"
 #include "setup/source.h"
@@ -256,7 +257,8 @@ int hc_command_check(const hc_options *options) {
   hc_scene scene;
   hc_estimate estimate;
   const char *names[HC_FIELD_COUNT];
-  const hc_scene_limits limits = hc_scene_input_limits(names);
+  hc_scene_files files = {.read_rest = hc_rest_file_read};
+  const hc_scene_limits limits = hc_scene_input_limits(names, &files);
   hc_warnings warnings = {0};
   hc_scene_read(&scene, options->files[0], options->overrides, options->override_count, &limits, &warnings,
                 &error);

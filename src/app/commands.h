@@ -9,6 +9,7 @@ int hc_command_run(const hc_options *options);
 int hc_command_check(const hc_options *options);
 int hc_command_info(const hc_options *options);
 int hc_command_diff(const hc_options *options);
+int hc_command_rest(const hc_options *options);
 int hc_command_keys(const hc_options *options);
 
 /* Says "halocline: error: TEXT" on stderr and returns the status as exit code. */

@@ -43,6 +43,8 @@ static tally *no_tallies(int count) {
 static void count_particles(const hc_particles *particles, tally *sources, int source_count) {
   for (int32_t k = 0; k < particles->own; k++) {
     const int64_t source = hc_id_source_of(particles->id[k]);
+    if (hc_id_kind_of(particles->id[k]) == HC_ID_AIR)
+      continue; /* around rest states: it goes before the start */
     HC_CHECK(source < source_count, "particle of source %lld of %d", (long long)source, source_count);
     const int64_t *position = &particles->position[3 * (size_t)k];
     tally *into = &sources[source];

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 static const struct argp_option all_options[] = {
-    {"output", 'o', "DIR", 0, "where the run's files go (default: out/NAME)", 0},
+    {"output", 'o', "DIR", 0, "where the run's files go (default: out/NAME), or the rest state: a file", 0},
     {"set", 's', "KEY=VALUE", 0, "a scene key's value in place of the file's; may be repeated", 0},
     {"steps", 'n', "N", 0, "stop after step N", 0},
     {"restart", 'R', "FILE", OPTION_ARG_OPTIONAL,
@@ -21,7 +21,7 @@ static const struct argp_option all_options[] = {
      0},
     {"walltime", 'w', "SECONDS", 0,
      "before that much time has passed, write a checkpoint and stop with exit code 75", 0},
-    {"force", 'f', 0, 0, "overwrite the run that the directory holds", 0},
+    {"force", 'f', 0, 0, "overwrite the run that the directory holds, or the file", 0},
     {"quiet", 'q', 0, 0, "no progress line", 0},
     {"ranks", 'r', "N", 0, "for how many ranks to estimate", 0},
     {"tolerance", 't', "T", 0, "how much may differ: T metres of a position, T m/s of a velocity, ...", 0},

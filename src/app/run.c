@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "base/timer.h"
 #include "commands.h"
+#include "io/rest_file.h"
 #include "job/job.h"
 #include "job/stop.h"
 #include "setup/scene_input.h"
@@ -12,7 +13,8 @@ enum { EXIT_STOPPED = 75 };
 /* Returns true if the run stopped early. */
 static bool read_and_run(hc_comm *comm, const hc_options *options, double launched, hc_error *error) {
   hc_scene scene;
-  const hc_scene_input input = {options->files[0], NULL, options->overrides, options->override_count};
+  const hc_scene_input input = {options->files[0], NULL, options->overrides, options->override_count,
+                                hc_rest_file_read};
   const hc_job_options job = {.scene_file = options->files[0],
                               .overrides = options->overrides,
                               .override_count = options->override_count,

@@ -297,8 +297,64 @@ static const hc_sampling_run *run_of(const hc_sampling *sampling, int64_t k) {
   return &sampling->runs[low];
 }
 
+/* ---- tilings ---- */
+
+/* From parts of a spacing to units. */
+static int64_t tile_units(int64_t parts, int64_t spacing) {
+  return llrint((double)parts / HC_TILE_UNIT * (double)spacing);
+}
+
+static int64_t divide_down(int64_t a, int64_t b) {
+  return a / b - (a % b < 0);
+}
+
+hc_sampling hc_sampling_tiled(const hc_lattice *lattice, const hc_sampling_tile *tile, const double origin[3],
+                              const double min[3], const double max[3]) {
+  hc_sampling sampling = {.count = tile->count, .tile = *tile};
+  for (int a = 0; a < 3; a++) {
+    const int64_t start = to_units(lattice, a, origin[a]),
+                  step = tile_units(tile->extent[a], lattice->spacing[a]);
+    sampling.tile_spacing[a] = lattice->spacing[a];
+    sampling.tile_step[a] = step;
+    sampling.tile_low[a] = to_units(lattice, a, min[a]);
+    sampling.tile_high[a] = to_units(lattice, a, max[a]);
+    const int64_t first = divide_down(sampling.tile_low[a] - start, step),
+                  last = divide_down(sampling.tile_high[a] - 1 - start, step);
+    sampling.tile_first[a] = start + first * step;
+    sampling.images[a] = last - first + 1 > 0 ? last - first + 1 : 0;
+    sampling.count = sampling.count > MAX_POINTS / (sampling.images[a] + 1)
+                         ? MAX_POINTS
+                         : sampling.count * sampling.images[a];
+  }
+  if (sampling.count >= MAX_POINTS) sampling.count = INT64_MAX;
+  return sampling;
+}
+
+/* The lower corner of the image that holds point k. */
+static void image_corner(const hc_sampling *sampling, int64_t k, int64_t corner[3]) {
+  int64_t image = k / sampling->tile.count;
+  for (int a = 0; a < 3; a++) {
+    corner[a] = sampling->tile_first[a] + image % sampling->images[a] * sampling->tile_step[a];
+    image /= sampling->images[a];
+  }
+}
+
+void hc_sampling_image(const hc_sampling *sampling, int64_t k, double middle[3], int64_t *end) {
+  int64_t corner[3];
+  check_point(sampling, k);
+  image_corner(sampling, k, corner);
+  for (int a = 0; a < 3; a++) middle[a] = (double)corner[a] + 0.5 * (double)sampling->tile_step[a];
+  *end = (k / sampling->tile.count + 1) * sampling->tile.count;
+}
+
 void hc_sampling_point(const hc_sampling *sampling, int64_t k, int64_t x[3]) {
   check_point(sampling, k);
+  if (sampling->tile.at) {
+    const int32_t *const at = sampling->tile.at[k % sampling->tile.count];
+    image_corner(sampling, k, x);
+    for (int a = 0; a < 3; a++) x[a] += tile_units(at[a], sampling->tile_spacing[a]);
+    return;
+  }
   if (sampling->listed) {
     HC_CHECK(k >= sampling->listed_first && k < sampling->listed_end,
              "samples %lld to %lld are held here, got %lld", (long long)sampling->listed_first,
@@ -323,7 +379,7 @@ void hc_sampling_point(const hc_sampling *sampling, int64_t k, int64_t x[3]) {
 int64_t hc_sampling_row_end(const hc_sampling *sampling, int64_t k) {
   check_point(sampling, k);
   int64_t first, length;
-  if (sampling->listed) return k + 1;
+  if (sampling->listed || sampling->tile.at) return k + 1;
   if (sampling->run_count > 0) {
     const hc_sampling_run *const run = run_of(sampling, k);
     first = run->first;
@@ -373,6 +429,10 @@ void hc_sampling_bounds(const hc_sampling *sampling, int64_t low[3], int64_t hig
   for (int a = 0; a < 3; a++) {
     low[a] = INT64_MAX;
     high[a] = INT64_MIN;
+  }
+  for (int a = 0; a < 3 && sampling->tile.at; a++) {
+    low[a] = sampling->tile_low[a];
+    high[a] = sampling->tile_high[a];
   }
   for (int end = 0; end < 2 && sampling->listed; end++) { /* not turned: no axis changes its order */
     int64_t x[3];

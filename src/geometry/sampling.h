@@ -56,6 +56,14 @@ typedef struct hc_sampling_run {
   int64_t first; /* points before it */
 } hc_sampling_run;
 
+/* Points that fill space by their images, in HC_TILE_UNIT parts of a spacing from a lower corner; somebody
+ * else's. */
+enum { HC_TILE_UNIT = 1 << 20 };
+typedef struct hc_sampling_tile {
+  const int32_t (*at)[3]; /* null: none */
+  int64_t count, extent[3];
+} hc_sampling_tile;
+
 /* Read it through the functions below; freed with hc_sampling_free, which does nothing for one without runs:
  * boxes along the axes and planes are plain data. */
 typedef struct hc_sampling {
@@ -71,6 +79,11 @@ typedef struct hc_sampling {
   const struct hc_surface_sample *listed; /* the points held here, in own axes; somebody else's */
   int64_t listed_first, listed_end;       /* which they are */
   double listed_low[3], listed_high[3];   /* around all points */
+  hc_sampling_tile tile;                  /* its images are the points, where it has any */
+  int64_t images[3];                      /* how many along each axis, x fastest */
+  int64_t tile_first[3], tile_step[3];    /* units: the lower corner of the first image, and between images */
+  int64_t tile_spacing[3];                /* units */
+  int64_t tile_low[3], tile_high[3];      /* units: the box that is asked for */
   hc_sampling_run *runs;
   int64_t run_count;
   size_t run_room;
@@ -95,6 +108,14 @@ hc_sampling hc_sampling_container(const hc_lattice *lattice, const double min[3]
  * single layer behind each face. An open face keeps only the rows that it shares with closed ones. */
 hc_sampling hc_sampling_solid(const hc_lattice *lattice, const double min[3], const double max[3],
                               unsigned open, int layers);
+
+/* The images of a tile that reach into a box: all their points, also those beyond it. Images lie at whole
+ * multiples of its extent from `origin`, m, so that tilings with the same origin fit each other. */
+hc_sampling hc_sampling_tiled(const hc_lattice *lattice, const hc_sampling_tile *tile, const double origin[3],
+                              const double min[3], const double max[3]);
+
+/* Of a tiling: the middle of the image that holds point k, in units, and the first point behind it. */
+void hc_sampling_image(const hc_sampling *sampling, int64_t k, double middle[3], int64_t *end);
 
 /* A rectangle, see hc_shape_rectangle; round(size / spacing) samples (at least 1) along each tangent, at
  * (i + 1/2) size / n, so that a plane as long as a period closes. */

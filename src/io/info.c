@@ -5,6 +5,7 @@
 #include "info_report.h"
 #include "particles/ids.h"
 #include "particles/particles.h"
+#include "rest_file.h"
 
 #include <math.h>
 #include <string.h>
@@ -145,6 +146,7 @@ static hc_status look(hc_info_report *report, hc_error *error) {
 }
 
 hc_status hc_info_print(const char *path, bool json, FILE *out, hc_error *error) {
+  if (hc_rest_file_is(path)) return hc_rest_file_print(path, json, out, error);
   hc_info_report *report = hc_alloc_zero(1, sizeof *report);
   hc_status status = hc_snapshot_read_open(path, &report->file, error);
   if (status == HC_OK) {

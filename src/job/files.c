@@ -68,6 +68,24 @@ hc_status hc_job_open_files(hc_job *job, hc_error *error) {
   return hc_comm_agree(job->comm, error);
 }
 
+void hc_job_log_rest(hc_job *job) {
+  const hc_rest_report *const rest = &job->simulation.rest;
+  const hc_rest_chosen *const chosen = &rest->chosen;
+  if (chosen->loaded == 0) return;
+  hc_log_info(
+      &job->log,
+      "rest states: %lld particles, of which %lld stay; %lld of %lld candidates after %d passes, density "
+      "%.5f of the rest density in the mean, deviation %.4f; %.3f s",
+      (long long)chosen->loaded, (long long)(chosen->loaded - rest->removed), (long long)chosen->candidates,
+      (long long)chosen->before, chosen->iterations, chosen->mean, chosen->deviation, rest->choosing);
+  hc_log_info(
+      &job->log,
+      "they came to rest in %d damped steps%s, the fastest at %.3g, the mean at %.3g half spacings a step; "
+      "%.3f s",
+      rest->relaxed.steps, rest->relaxed.at_rest ? "" : ", the most there may be", rest->relaxed.speed_max,
+      rest->relaxed.speed_avg, rest->relaxing);
+}
+
 void hc_job_log_start(hc_job *job) {
   const hc_simulation *simulation = &job->simulation;
   const hc_world *world = &simulation->world;
@@ -111,6 +129,7 @@ void hc_job_log_start(hc_job *job) {
   hc_log_info(&job->log, "particles: %lld fluid of %.9g kg each (mass factor %g), %lld boundary",
               (long long)world->fluid_total, world->mass, job->scene->fluid.mass_factor,
               (long long)world->boundary_total);
+  hc_job_log_rest(job);
   hc_log_info(&job->log, "%s (%s), %lld bricks of %d cells' edge, imbalance of fluid particles %.3f",
               world->division.divider == HC_DIVIDER_METIS ? "metis" : "slabs", world->division.way,
               (long long)world->division.bricks, 1 << world->division.bits, simulation->imbalance);

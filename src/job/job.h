@@ -70,6 +70,7 @@ typedef struct hc_job {
   hc_error problem;     /* rank 0's with the tables, which all learn with the next step or checkpoint */
   hc_job_counts counts;
   int64_t first_step;                      /* the step that this session started from, */
+  double refilled;                         /* s: of the last refill that was told */
   double first_time;                       /* and the time, s */
   double particle_steps;                   /* fluid particles summed over the steps of this session */
   double launched;                         /* wall clock, when the program began, before MPI */
@@ -99,6 +100,9 @@ void hc_job_close_files(hc_job *job, hc_error *error);
 
 /* What the log says at the start. Local. */
 void hc_job_log_start(hc_job *job);
+
+/* What rest states that have just come were made of. Local. */
+void hc_job_log_rest(hc_job *job);
 
 /* A row of steps.csv, a row of load.csv, for rank 0; what goes wrong is job->problem. `event`: words joined
  * by

@@ -78,7 +78,7 @@ static hc_status choose(hc_job *job, hc_error *error) {
 static hc_status compare_scenes(const hc_job *job, const char *text, const char *where, char **harmless,
                                 hc_error *error) {
   const char *names[HC_FIELD_COUNT];
-  hc_scene_limits limits = hc_scene_input_limits(names);
+  hc_scene_limits limits = hc_scene_input_limits(names, NULL);
   limits.check = NULL; /* it has run before */
   limits.load = NULL;
   hc_scene before;
@@ -129,6 +129,7 @@ hc_status hc_job_read_checkpoint(hc_job *job, hc_error *error) {
   hc_simulation_adopt(simulation);
   job->first_step = simulation->step;
   job->first_time = simulation->time;
+  job->refilled = simulation->refilled;
   char newest[HC_TEXT_PATH];
   int64_t step;
   hc_checkpoint_find(job->comm, job->directory, INT64_MAX, newest, &step, error);

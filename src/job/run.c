@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "io/snapshot.h"
 #include "job.h"
+#include "setup/rest_states.h"
 #include "simulation/step.h"
 #include "state/copy.h"
 #include "stop.h"
@@ -144,6 +145,15 @@ static void note_step(void *caller, double dt, hc_tally *tally) {
   hc_stopwatch_enter(&world->watch, HC_STAGE_MOVE);
 }
 
+/* Blocks that came as the last step began. */
+static void tell_refill(hc_job *job, char *event, size_t size) {
+  const hc_simulation *const simulation = &job->simulation;
+  if (simulation->refilled == job->refilled) return;
+  job->refilled = simulation->refilled;
+  hc_job_log_rest(job);
+  snprintf(event + strlen(event), size - strlen(event), "%srefill", event[0] ? "+" : "");
+}
+
 /* Particles that were taken out: the first ten of a run one by one, then how many in a step. */
 static void tell_departures(hc_job *job, char *event, size_t size) {
   const hc_departures *departures = &job->simulation.population.departures;
@@ -209,6 +219,7 @@ static void judge_step(hc_job *job, char *event, size_t size) {
       simulation->solver->doubt(simulation->solver_settings, report, text, sizeof text))
     hc_log_warn_counted(&job->log, ++job->counts.doubts, "step %lld: %s", (long long)simulation->step, text);
   tell_departures(job, event, size);
+  tell_refill(job, event, size);
   if (simulation->control.before > 0)
     snprintf(event + strlen(event), size - strlen(event), "%srollback:%lld", event[0] ? "+" : "",
              (long long)simulation->control.before);
@@ -400,7 +411,7 @@ static void run_scene(hc_job *job, hc_scene *scene, hc_error *error) {
   job->gauge_values = hc_alloc((size_t)hc_gauges_columns(job->scene), sizeof *job->gauge_values);
   hc_job_register(job);
   if (fill(job, error) == HC_OK) {
-    hc_scene_free_surfaces(scene);
+    if (!hc_setup_has_refills(scene)) hc_scene_free_surfaces(scene);
     run_with_files(job, error);
     hc_job_close_files(job, error);
   }

@@ -433,6 +433,19 @@ static void check_gauge(hc_scene *scene, int index, const hc_given *given, hc_co
   }
 }
 
+static void check_rest(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  static const char key[] = "fluid.rest.damping_end";
+  const hc_scene_rest *const rest = &scene->fluid.rest;
+  if (hc_given_is_bad(given, key) || hc_given_is_bad(given, "fluid.rest.damping_start") ||
+      (rest->damping_end > 0.0 && rest->damping_end <= rest->damping_start))
+    return;
+  char end[HC_PARAM_NUMBER_TEXT], start[HC_PARAM_NUMBER_TEXT];
+  hc_params_number_text(rest->damping_end, end);
+  hc_params_number_text(rest->damping_start, start);
+  hc_complaints_add(complaints, hc_given_place_of(given, key),
+                    "%s must be > 0 and <= fluid.rest.damping_start (%s), not %s", key, start, end);
+}
+
 void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_name,
                     hc_complaints *complaints) {
   if (!hc_given_has(given, "name")) name_scene(scene, file_name);
@@ -444,6 +457,7 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
                    scene->solver.density_iterations, complaints);
   check_iterations(given, "solver.divergence_iterations.min", "solver.divergence_iterations.max",
                    scene->solver.divergence_iterations, complaints);
+  check_rest(scene, given, complaints);
   const hc_given_value *blocks = hc_given_value_of(given, "fluid.blocks");
   for (int k = 0; k < blocks->item_count; k++)
     if (!blocks->items[k].bad) check_block(&scene->fluid.blocks[k], &blocks->items[k], complaints);

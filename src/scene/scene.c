@@ -9,8 +9,16 @@ static void free_made(hc_made_surface *made) {
   made->surface = NULL;
 }
 
+static void free_rest(hc_made_rest_state *rest) {
+  if (rest->state) rest->free(rest->state);
+  rest->state = NULL;
+}
+
 void hc_scene_free_surfaces(hc_scene *scene) {
-  for (int k = 0; k < scene->fluid.block_count; k++) free_made(&scene->fluid.blocks[k].made);
+  for (int k = 0; k < scene->fluid.block_count; k++) {
+    free_made(&scene->fluid.blocks[k].made);
+    free_rest(&scene->fluid.blocks[k].rest);
+  }
   for (int k = 0; k < scene->boundary.wall_count; k++) free_made(&scene->boundary.walls[k].made);
   for (int k = 0; k < scene->body_count; k++) free_made(&scene->bodies[k].surface.made);
   hc_memory_give_back();

@@ -57,6 +57,12 @@ typedef struct hc_made_surface {
   void (*free)(struct hc_surface *surface);
 } hc_made_surface;
 
+/* What is read of a rest state, see setup/rest_states.h; freed likewise. */
+typedef struct hc_made_rest_state {
+  struct hc_rest_state *state; /* null: not read */
+  void (*free)(struct hc_rest_state *state);
+} hc_made_rest_state;
+
 /* Which of the shapes a block or wall has; the others are zero. */
 typedef enum hc_form {
   HC_FORM_BOX,
@@ -88,12 +94,33 @@ typedef struct hc_block {
   hc_mesh_input mesh;
   hc_revolution revolution;
   hc_made_surface made;
+  char rest_state[HC_FILE_LENGTH]; /* the file of what fills it; empty: the lattice does */
+  char rest_checksum[HC_CHECKSUM_LENGTH];
+  double rest_offset[3]; /* m: where an image of it has its lower corner */
+  hc_made_rest_state rest;
+  double start;  /* s: when a rest state comes */
+  bool replaces; /* takes what is in the shape out first */
   double velocity[3];
   double velocity_gradient[3][3]; /* 1/s: of component a along axis b */
   double angular_velocity[3];     /* rad/s */
   double velocity_center[3];      /* m: where these two add nothing */
   hc_flow flow;
 } hc_block;
+
+/* How rest states fit themselves to what they meet: Carensac et al. 2023, section 3. */
+typedef struct hc_scene_rest {
+  double distance;                   /* spacings: from a wetted surface, at least */
+  double early_density;              /* share of the rest density: what walls and other fluid may give */
+  double target;                     /* the same: the mean density at which the selection ends */
+  double regulator;                  /* R_ssr; 0: the threshold falls by `step` each time */
+  double step;                       /* of the rest density: what the threshold falls by, at least */
+  bool protection;                   /* of who is too dense only by a denser neighbour */
+  int steps;                         /* damped ones, at most */
+  double damping_start, damping_end; /* shares of the velocity that a step takes */
+  double speed_max, speed_avg;       /* half spacings a step: slower than both is at rest */
+  double density_error_avg;          /* of damped steps; dfsph */
+  int iterations;                    /* of each of them, at most; dfsph */
+} hc_scene_rest;
 
 typedef enum hc_emitter_form { HC_EMITTER_DISC, HC_EMITTER_RECTANGLE } hc_emitter_form;
 
@@ -355,6 +382,7 @@ typedef struct hc_scene {
     double disorder;    /* largest random shift off the lattice along each axis, in spacings */
     int seed;           /* which random shifts */
     int settle_steps;   /* before the start: gravity and pressure without momentum */
+    hc_scene_rest rest;
     hc_block *blocks;
     int block_count;
     hc_scene_emitter *emitters;

@@ -87,6 +87,7 @@ void hc_setup_carve(const hc_frame *frame, hc_setup_source *blocks, int block_co
   carving c = {frame, bodies, body_count, (ROOM - rounding) * spacing, (AT_THIN - rounding) * spacing, NULL};
   for (int b = 0; b < block_count; b++) {
     c.block = &blocks[b];
+    if (c.block->sampling.tile.at) continue; /* it fits itself, see fit.h */
     hc_trace_run(frame, &blocks[b].sampling, &(hc_trace){&c, clearance, leave_out});
   }
 }

@@ -281,7 +281,10 @@ hc_control hc_setup_control(const hc_scene *scene) {
 }
 
 double hc_setup_settle_step(const hc_scene *scene) {
-  if (scene->fluid.settle_steps == 0) return 0.0;
+  return scene->fluid.settle_steps > 0 ? hc_setup_calm_step(scene) : 0.0;
+}
+
+double hc_setup_calm_step(const hc_scene *scene) {
   hc_control control = hc_setup_control(scene);
   static const double CALM = 0.5; /* of the longest stable step: what forgets its speed bears half of it */
   const double step = fmin(hc_control_still(&control), CALM * hc_setup_solver_longest(scene));

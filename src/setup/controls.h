@@ -26,7 +26,9 @@ hc_control hc_setup_control(const hc_scene *scene);
 /* No step of its run is longer, s: how far ahead what is prescribed is looked at. */
 double hc_setup_control_longest(const hc_scene *scene);
 
-/* The time step with which the start of a scene settles, s; 0 if it does not. */
+/* The time step with which what forgets its speed comes to rest, s; and that with which the start of a scene
+ * settles, 0 if it does not. */
+double hc_setup_calm_step(const hc_scene *scene);
 double hc_setup_settle_step(const hc_scene *scene);
 
 #endif

@@ -5,12 +5,12 @@
 #include "geometry/mesh_file.h"
 #include "geometry/revolution.h"
 #include "geometry/surface_samples.h"
+#include "setup/named_file.h"
 #include "setup/source.h"
 #include "setup/trace.h"
 #include "setup/world_frame.h"
 
 #include <inttypes.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,26 +48,11 @@ typedef struct header {
 
 /* --- Files --- */
 
-/* The whole path of a file named in the scene. */
-static hc_status find_file(const loading *l, const char *file, char path[static HC_FILE_LENGTH],
-                           hc_error *error) {
-  const char *const slash = strrchr(l->scene_name, '/');
-  const int folder = slash && file[0] != '/' ? (int)(slash + 1 - l->scene_name) : 0;
-  char joined[PATH_MAX + HC_FILE_LENGTH], whole[PATH_MAX];
-  snprintf(joined, sizeof joined, "%.*s%s", folder < PATH_MAX ? folder : PATH_MAX, l->scene_name, file);
-  const char *const found = realpath(joined, whole) ? whole : joined; /* what is wrong, reading tells */
-  if (strlen(found) >= HC_FILE_LENGTH)
-    return hc_error_set(error, HC_BAD_INPUT, "%s: the path must be at most %d bytes long", found,
-                        HC_FILE_LENGTH - 1);
-  strcpy(path, found);
-  return HC_OK;
-}
-
 static hc_status read_mesh(const loading *l, const entry *e, header *h, hc_mesh *mesh) {
   uint64_t checksum;
   hc_error *const error = &h->error;
   *mesh = (hc_mesh){0};
-  if (find_file(l, e->mesh->file, h->file, error) != HC_OK) return error->status;
+  if (hc_named_file_find(l->scene_name, e->mesh->file, h->file, error) != HC_OK) return error->status;
   if (hc_mesh_file_read(h->file, mesh, &checksum, error) != HC_OK) return error->status;
   snprintf(h->checksum, sizeof h->checksum, "%016" PRIx64, checksum);
   if (e->mesh->checksum[0] && strcmp(e->mesh->checksum, h->checksum) != 0)

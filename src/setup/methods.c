@@ -1,6 +1,7 @@
 #include "methods.h"
 
 #include "setup/controls.h"
+#include "setup/rest_states.h"
 #include "setup/settings.h"
 #include "setup/solvers.h"
 
@@ -51,15 +52,31 @@ static void check_wall_density(hc_scene *scene, hc_findings *findings) {
                       hc_setup_solver_ops(scene)->name);
 }
 
-/* The solver's control that a scene has by default: bodies are moved once in a step of the run. */
+/* What happens once in a step of the run, which must be no block of many; null: nothing. */
+static const char *once_a_step(const hc_scene *scene) {
+  if (scene->body_count > 0) return "bodies: they move";
+  if (hc_setup_has_rest_states(scene) || hc_setup_has_refills(scene)) return "rest states: they are damped";
+  return NULL;
+}
+
+/* The solver's control that a scene has by default. */
 static const char *default_control(const hc_scene *scene, const hc_solver_ops *solver) {
   int k = 0;
   hc_scene chosen = {.body_count = 0};
-  for (; solver->controls[k + 1] && scene->body_count > 0; k++)
+  for (; solver->controls[k + 1] && once_a_step(scene); k++)
     if (hc_setup_control_named(solver->controls[k], &chosen.time_step.control) &&
         !hc_setup_control_ops(&chosen)->in_blocks)
       break;
   return solver->controls[k];
+}
+
+static void check_whole_steps(const hc_scene *scene, hc_findings *findings) {
+  const char *const what = once_a_step(scene);
+  if (what && is_good(findings, "time_step.control") && hc_setup_control_ops(scene)->in_blocks)
+    hc_findings_error(
+        findings, "time_step.control",
+        "time_step.control must not be %s with %s once in a step of the run, which is a block of many",
+        hc_setup_control_ops(scene)->name, what);
 }
 
 static void check_bodies(const hc_scene *scene, hc_findings *findings) {
@@ -68,11 +85,6 @@ static void check_bodies(const hc_scene *scene, hc_findings *findings) {
     hc_findings_error(findings, "boundary.method",
                       "boundary.method must be akinci2012 with bodies: the others push them with no force "
                       "that is known");
-  if (is_good(findings, "time_step.control") && hc_setup_control_ops(scene)->in_blocks)
-    hc_findings_error(findings, "time_step.control",
-                      "time_step.control must not be %s with bodies: they move once in a step of the run, "
-                      "which is a block of many",
-                      hc_setup_control_ops(scene)->name);
 }
 
 static void check_control(hc_scene *scene, hc_findings *findings) {
@@ -91,6 +103,7 @@ void hc_setup_complete(hc_scene *scene, hc_findings *findings) {
   if (solver && is_good(findings, "boundary.wall_density")) check_wall_density(scene, findings);
   if (solver && control) check_control(scene, findings);
   if (control) check_bodies(scene, findings);
+  if (control) check_whole_steps(scene, findings);
   if (solver) hc_setup_solver_complete(scene, control && hc_setup_control_ops(scene)->by_errors, findings);
   if (control) hc_setup_control_complete(scene, findings);
 }

@@ -3,8 +3,38 @@
 #include "base/memory.h"
 #include "geometry/parts.h"
 #include "setup/carve.h"
+#include "setup/fit.h"
 #include "setup/flow.h"
 #include "setup/union.h"
+
+/* Adds the air of blocks that rest states fill, and leaves out what does not fit. */
+static void fit_rest_states(const hc_scene *scene, hc_setup_plan *plan) {
+  const hc_fit fit = {.frame = &plan->frame,
+                      .surfaces = plan->boundary,
+                      .walls = scene->boundary.wall_count,
+                      .bodies = scene->body_count,
+                      .distance = scene->fluid.rest.distance * scene->particle_spacing};
+  for (int number = 0; number < plan->fluid_sources; number++) {
+    hc_setup_source *const block = &plan->fluid[number];
+    if (!block->sampling.tile.at) continue;
+    hc_setup_source *const air = &plan->fluid[plan->fluid_sources + plan->air_sources++];
+    *air = *block;
+    air->kind = HC_ID_AIR;
+    hc_setup_fit(&fit, block, air);
+  }
+}
+
+void hc_setup_velocity(const hc_frame *frame, const hc_setup_source *source, const int64_t position[3],
+                       double velocity[3]) {
+  double x[3];
+  for (int a = 0; a < 3; a++) {
+    x[a] = hc_frame_to_metres(frame, a, position[a]);
+    velocity[a] = source->velocity[a];
+  }
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++) velocity[a] += source->gradient[a][b] * (x[b] - source->centre[b]);
+  hc_flow_add(&source->flow, x, velocity);
+}
 
 static hc_status plan_sources(hc_comm *comm, const hc_scene *scene, hc_setup_plan *plan, hc_error *error) {
   for (int number = 0; number < scene->fluid.block_count; number++) {
@@ -12,6 +42,7 @@ static hc_status plan_sources(hc_comm *comm, const hc_scene *scene, hc_setup_pla
     const hc_status status =
         hc_source_block(&plan->frame, &scene->fluid.blocks[number], number, source, error);
     if (status) return status;
+    if (scene->fluid.blocks[number].start > 0.0) source->sampling = (hc_sampling){0}; /* see refill.h */
   }
   const int layers = hc_setup_layers(scene);
   for (int number = 0; number < hc_scene_surfaces(scene); number++) {
@@ -21,9 +52,11 @@ static hc_status plan_sources(hc_comm *comm, const hc_scene *scene, hc_setup_pla
   }
   hc_setup_carve(&plan->frame, plan->fluid, plan->fluid_sources, &plan->boundary[scene->boundary.wall_count],
                  scene->body_count);
-  for (int number = 0; number < plan->fluid_sources; number++) {
-    plan->fluid[number].first = plan->fluid_count;
-    plan->fluid_count += hc_source_count(&plan->fluid[number]);
+  fit_rest_states(scene, plan);
+  for (int number = 0; number < plan->fluid_sources + plan->air_sources; number++) {
+    const bool air = number >= plan->fluid_sources;
+    plan->fluid[number].first = plan->fluid_count + plan->air_count;
+    *(air ? &plan->air_count : &plan->fluid_count) += hc_source_count(&plan->fluid[number]);
   }
   hc_union_drop(comm, &plan->frame, plan->boundary, plan->boundary_sources);
   for (int number = 0; number < plan->boundary_sources; number++) {
@@ -43,7 +76,7 @@ hc_status hc_setup_plan_make(hc_comm *comm, const hc_scene *scene, const hc_fram
         "fluid.blocks, and boundary.walls and bodies, must have at most 2^%d entries, got %d and %d",
         HC_ID_SOURCE_BITS, blocks, walls);
   *plan = (hc_setup_plan){.frame = *frame,
-                          .fluid = hc_alloc((size_t)blocks, sizeof(hc_setup_source)),
+                          .fluid = hc_alloc(2 * (size_t)blocks, sizeof(hc_setup_source)),
                           .boundary = hc_alloc((size_t)walls, sizeof(hc_setup_source))};
   for (int a = 0; a < 3; a++)
     plan->disorder[a] = (int64_t)(scene->fluid.disorder * (double)frame->spacing[a]);
@@ -54,7 +87,7 @@ hc_status hc_setup_plan_make(hc_comm *comm, const hc_scene *scene, const hc_fram
 }
 
 void hc_setup_plan_free(hc_setup_plan *plan) {
-  for (int s = 0; s < plan->fluid_sources; s++) hc_source_free(&plan->fluid[s]);
+  for (int s = 0; s < plan->fluid_sources + plan->air_sources; s++) hc_source_free(&plan->fluid[s]);
   for (int s = 0; s < plan->boundary_sources; s++) hc_source_free(&plan->boundary[s]);
   hc_free(plan->fluid);
   hc_free(plan->boundary);
@@ -85,8 +118,9 @@ static void place(const hc_setup_plan *plan, const hc_setup_source *source, int6
   const uint64_t id = hc_id_make(source->kind, (uint64_t)source->number, (uint64_t)k);
   particles->id[index] = id;
   for (int a = 0; a < 3; a++) {
-    const int64_t shift =
-        source->kind == HC_ID_FLUID ? random_shift(plan->seed, id, a, plan->disorder[a]) : 0;
+    const int64_t shift = source->kind == HC_ID_FLUID && !source->sampling.tile.at
+                              ? random_shift(plan->seed, id, a, plan->disorder[a])
+                              : 0;
     particles->position[3 * index + a] = hc_frame_wrap(&plan->frame, a, point[a] + shift);
     if (particles->reference) particles->reference[3 * index + a] = point[a];
   }
@@ -108,7 +142,7 @@ static void part_of(const hc_setup_plan *plan, const hc_setup_source *source, in
     return;
   }
   const int64_t count = hc_source_count(source);
-  hc_setup_share(plan->fluid_count, rank, size, first, last);
+  hc_setup_share(plan->fluid_count + plan->air_count, rank, size, first, last);
   *first = *first < source->first ? 0 : *first - source->first;
   *last = *last < source->first + count ? *last - source->first : count;
 }
@@ -145,20 +179,27 @@ static void generate(const hc_setup_plan *plan, const hc_setup_source *sources, 
 void hc_setup_velocities(const hc_setup_plan *plan, hc_particles *fluid) {
   for (int64_t i = 0; i < fluid->own; i++) {
     const hc_setup_source *const source = &plan->fluid[hc_id_source_of(fluid->id[i])];
-    double x[3], velocity[3];
-    for (int a = 0; a < 3; a++) {
-      x[a] = hc_frame_to_metres(&plan->frame, a, fluid->position[3 * i + a]);
-      velocity[a] = source->velocity[a];
-    }
-    for (int a = 0; a < 3; a++)
-      for (int b = 0; b < 3; b++) velocity[a] += source->gradient[a][b] * (x[b] - source->centre[b]);
-    hc_flow_add(&source->flow, x, velocity);
-    for (int a = 0; a < 3; a++) fluid->velocity[3 * i + a] = velocity[a];
+    hc_setup_velocity(&plan->frame, source, &fluid->position[3 * i], &fluid->velocity[3 * i]);
+  }
+}
+
+void hc_setup_add(const hc_frame *frame, const hc_setup_source *source, int rank, int size,
+                  hc_particles *fluid) {
+  int64_t first, last;
+  hc_setup_share(hc_source_count(source), rank, size, &first, &last);
+  int64_t index = fluid->own;
+  const hc_setup_plan plan = {.frame = *frame};
+  hc_particles_resize(fluid, fluid->own + (int32_t)(last - first));
+  for (int64_t at = first; at < last; at++) {
+    place(&plan, source, hc_gaps_kept(&source->gaps, at), fluid, index);
+    hc_setup_velocity(frame, source, &fluid->position[3 * index], &fluid->velocity[3 * index]);
+    index++;
   }
 }
 
 hc_status hc_setup_check_share(const hc_setup_plan *plan, int rank, int size, hc_error *error) {
-  const int64_t fluid_own = own_of(plan, plan->fluid, plan->fluid_sources, false, rank, size);
+  const int64_t fluid_own =
+      own_of(plan, plan->fluid, plan->fluid_sources + plan->air_sources, false, rank, size);
   const int64_t boundary_own = own_of(plan, plan->boundary, plan->boundary_sources, false, rank, size) +
                                own_of(plan, plan->boundary, plan->boundary_sources, true, rank, size);
   if (fluid_own > HC_RECORDS_MOST || boundary_own > HC_RECORDS_MOST)
@@ -175,7 +216,7 @@ hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_pa
                             hc_particles *boundary, hc_particles *moving, hc_error *error) {
   const hc_status status = hc_setup_check_share(plan, rank, size, error);
   if (status) return status;
-  generate(plan, plan->fluid, plan->fluid_sources, rank, size, fluid);
+  generate(plan, plan->fluid, plan->fluid_sources + plan->air_sources, rank, size, fluid);
   hc_setup_velocities(plan, fluid);
   generate(plan, plan->boundary, plan->boundary_sources, rank, size, boundary);
   generate(plan, plan->boundary, plan->boundary_sources, rank, size, moving);

@@ -13,12 +13,12 @@
 /* Everything that is to be generated; owned by the caller, freed with hc_setup_plan_free. */
 typedef struct hc_setup_plan {
   hc_frame frame;
-  hc_setup_source *fluid;    /* one for each block */
+  hc_setup_source *fluid;    /* one for each block, then the air of those that rest states fill */
   hc_setup_source *boundary; /* one for each wall */
-  int fluid_sources, boundary_sources;
-  int64_t fluid_count, boundary_count; /* particles in all, on all ranks together */
-  uint64_t seed;                       /* of the shifts below */
-  int64_t disorder[3];                 /* largest shift of fluid off its lattice, in units */
+  int fluid_sources, air_sources, boundary_sources;
+  int64_t fluid_count, air_count, boundary_count; /* particles in all, on all ranks together */
+  uint64_t seed;                                  /* of the shifts below */
+  int64_t disorder[3];                            /* largest shift of fluid off its lattice, in units */
 } hc_setup_plan;
 
 /* Makes the plan of a scene; generates nothing. Where walls meet, samples of later ones are left out, see
@@ -47,6 +47,14 @@ hc_status hc_setup_check_share(const hc_setup_plan *plan, int rank, int size, hc
  * process can make the share of any. Local: agree on the status afterwards. */
 hc_status hc_setup_generate(const hc_setup_plan *plan, int rank, int size, hc_particles *fluid,
                             hc_particles *boundary, hc_particles *moving, hc_error *error);
+
+/* Adds a rank's share of one source of fluid, or of its air, to what a store holds. Local. */
+void hc_setup_add(const hc_frame *frame, const hc_setup_source *source, int rank, int size,
+                  hc_particles *fluid);
+
+/* The velocity that a block prescribes at a position, m/s. Local. */
+void hc_setup_velocity(const hc_frame *frame, const hc_setup_source *source, const int64_t position[3],
+                       double velocity[3]);
 
 /* Gives the own particles of `fluid` the velocities that their blocks prescribe at their positions. Local. */
 void hc_setup_velocities(const hc_setup_plan *plan, hc_particles *fluid);

@@ -31,8 +31,9 @@ typedef struct review {
 /* Looks for particles of a block that meet something. */
 typedef struct meeting {
   const review *review;
-  const hc_setup_source *other; /* a block or wall */
-  hc_shape face;                /* an open one */
+  const hc_setup_source *other;  /* a block or wall */
+  const hc_setup_source *within; /* only what is in this block, too; null: all */
+  hc_shape face;                 /* an open one */
   bool found;
   double x[3]; /* the first particle found */
 } meeting;
@@ -78,7 +79,9 @@ static double clearance_of_wall(const void *context, const double x[3]) {
 
 static double clearance_of_block(const void *context, const double x[3]) {
   const meeting *const m = context;
-  return distance(m->review, hc_shape_distance, &m->other->shape, x) + slack * m->review->spacing;
+  double off = distance(m->review, hc_shape_distance, &m->other->shape, x);
+  if (m->within) off = fmax(off, distance(m->review, hc_shape_distance, &m->within->shape, x));
+  return off + slack * m->review->spacing;
 }
 
 /* Of the outside of all containers. */
@@ -102,6 +105,11 @@ static bool far_from_wall(const review *r, const hc_setup_source *wall, const hc
   return hc_source_layer_distance(&r->frame, wall, centre) > reach;
 }
 
+/* A block that fits itself to what it meets. */
+static bool is_rest_state(const hc_setup_source *block) {
+  return block->sampling.tile.at != NULL;
+}
+
 /* --- Errors --- */
 
 /* A box is filled with whole spacings; what is left over stays empty. */
@@ -121,7 +129,7 @@ static void review_rest(const review *r, const hc_setup_source *block) {
 
 static void review_size(const review *r, const hc_setup_source *block) {
   if (hc_source_count(block) > 0) {
-    review_rest(r, block);
+    if (!is_rest_state(block)) review_rest(r, block);
     return;
   }
   hc_findings_error(r->findings, path_of("fluid.blocks", block->number, "").text,
@@ -168,7 +176,11 @@ static bool boxes_apart(const review *r, const hc_box *a, const hc_box *b) {
 
 static void review_overlap(const review *r, const hc_setup_source *earlier, const hc_setup_source *later) {
   if (far_apart(r, &earlier->shape, later, 0) || far_apart(r, &later->shape, earlier, 0)) return;
-  meeting in_later = {.review = r, .other = later}, in_earlier = {.review = r, .other = earlier};
+  if (r->scene->fluid.blocks[earlier->number].start != r->scene->fluid.blocks[later->number].start) return;
+  const bool fits = is_rest_state(earlier) || is_rest_state(later); /* rest states keep out of other fluid */
+  if (fits && !(is_rest_state(earlier) && is_rest_state(later))) return;
+  meeting in_later = {.review = r, .other = later, .within = fits ? earlier : NULL},
+          in_earlier = {.review = r, .other = earlier, .within = fits ? later : NULL};
   const meeting *found = NULL;
   if (meets(&in_earlier, later, clearance_of_block))
     found = &in_earlier;
@@ -227,7 +239,7 @@ static void review_spills(const review *r, const hc_setup_source *block, const h
   static const char *const ends[] = {"", "", "base", "top"};
   const hc_shape *const shape = &wall->shape;
   const int number = (int)wall->number;
-  if (wall->solid || r->scene->boundary.walls[number].form == HC_FORM_PLANE) return;
+  if (wall->solid || r->scene->boundary.walls[number].form == HC_FORM_PLANE || is_rest_state(block)) return;
   if (far_apart(r, shape, block, 0)) return;
   for (int face = shape->round > 1 ? 2 : 0; face < 2 * hc_shape_components(shape); face++) {
     if (!(shape->open >> face & 1)) continue;
@@ -443,6 +455,25 @@ static void review_emitters(const review *r) {
   hc_emitters_free(&emitters);
 }
 
+/* What comes later must know where walls are then. */
+static void review_refills(const hc_scene *scene, hc_findings *findings) {
+  bool moves = false;
+  for (int w = 0; w < scene->boundary.wall_count; w++)
+    moves |= scene->boundary.walls[w].motion.type != HC_WALL_STANDS;
+  for (int k = 0; k < scene->fluid.block_count; k++) {
+    const hc_block *const block = &scene->fluid.blocks[k];
+    if (block->start > 0.0 && (!block->rest_state[0] || moves))
+      hc_findings_error(
+          findings, path_of("fluid.blocks", k, ".start").text, "fluid.blocks[%d].start must be 0 %s", k,
+          block->rest_state[0] ? "where walls have a prescribed motion"
+                               : "without a rest_state: only that fits itself to what is there");
+    if (block->replaces && !(block->start > 0.0))
+      hc_findings_error(
+          findings, path_of("fluid.blocks", k, ".replaces").text,
+          "fluid.blocks[%d].replaces must not be true with start 0: there is nothing to replace", k);
+  }
+}
+
 /* Starts that cannot work, whatever the places. */
 static void review_start(const hc_scene *scene, hc_findings *findings) {
   if (scene->solver.negative_pressure && scene->fluid.emitter_count > 0)
@@ -461,6 +492,7 @@ void hc_setup_review(const hc_scene *scene, hc_findings *findings) {
                       "fluid.blocks must have at least one block, or fluid.emitters an emitter: there is no "
                       "fluid");
   review_start(scene, findings);
+  review_refills(scene, findings);
   review r = {.scene = scene, .findings = findings};
   if (!review_frame(&r)) return;
   r.spacing = hc_trace_spacing(&r.frame);
@@ -474,7 +506,7 @@ void hc_setup_review(const hc_scene *scene, hc_findings *findings) {
   const bool all_walls = r.wall_count == scene->boundary.wall_count;
   for (int b = 0; b < r.block_count; b++) {
     review_size(&r, &r.blocks[b]);
-    if (all_walls) review_walls(&r, &r.blocks[b]);
+    if (all_walls && !is_rest_state(&r.blocks[b])) review_walls(&r, &r.blocks[b]);
     for (int earlier = 0; earlier < b; earlier++)
       if (!boxes_apart(&r, &r.bounds[earlier], &r.bounds[b]))
         review_overlap(&r, &r.blocks[earlier], &r.blocks[b]);

@@ -11,12 +11,15 @@
 
 /* The files that a scene names. */
 static void load_files(void *context, hc_scene *scene, const char *name, hc_findings *findings) {
-  hc_setup_motions_load(context, scene, name, findings);
-  hc_setup_meshes_load(context, scene, name, findings);
+  const hc_scene_files *const files = context;
+  hc_comm *const comm = files ? files->comm : NULL;
+  hc_setup_motions_load(comm, scene, name, findings);
+  hc_setup_meshes_load(comm, scene, name, findings);
+  hc_setup_rest_states_load(files, scene, name, findings);
   hc_setup_bodies_complete(scene, findings);
 }
 
-hc_scene_limits hc_scene_input_limits(const char **names) {
+hc_scene_limits hc_scene_input_limits(const char **names, hc_scene_files *files) {
   int count = 0;
   for (int field = 0; field < HC_FIELD_COUNT; field++)
     if ((hc_fields[field].flags & HC_SNAPSHOT) && field != HC_FIELD_id)
@@ -25,7 +28,8 @@ hc_scene_limits hc_scene_input_limits(const char **names) {
                            .snapshot_field_count = count,
                            .complete = hc_setup_complete,
                            .check = hc_setup_review,
-                           .load = load_files};
+                           .load = load_files,
+                           .context = files};
 }
 
 /* What the ranks must know before the words themselves come. */
@@ -45,13 +49,12 @@ static char *join_words(const hc_scene_input *input, header *header) {
   return words;
 }
 
-static hc_status read_words(hc_comm *comm, const header *header, const char *text, const char *words,
+static hc_status read_words(hc_scene_files *files, const header *header, const char *text, const char *words,
                             hc_scene *scene, hc_warnings *warnings, hc_error *error) {
   const char **each = hc_alloc((size_t)header->words, sizeof *each);
   for (int k = 0; k < header->words; k++, words += strlen(words) + 1) each[k] = words;
   const char *names[HC_FIELD_COUNT];
-  hc_scene_limits limits = hc_scene_input_limits(names);
-  limits.context = comm;
+  const hc_scene_limits limits = hc_scene_input_limits(names, files);
   const hc_status status = hc_scene_read_text(scene, each[0], text, header->text_bytes - 1, each + 1,
                                               header->words - 1, &limits, warnings, error);
   hc_free(each);
@@ -82,7 +85,8 @@ hc_status hc_scene_input_read(hc_comm *comm, const hc_scene_input *input, hc_sce
     }
     hc_comm_broadcast(comm, text, header.text_bytes, 0);
     hc_comm_broadcast(comm, words, header.word_bytes, 0);
-    read_words(comm, &header, text, words, scene, comm->rank == 0 ? warnings : NULL, error);
+    hc_scene_files files = {comm, input->read_rest};
+    read_words(&files, &header, text, words, scene, comm->rank == 0 ? warnings : NULL, error);
     if (hc_comm_agree(comm, error) != HC_OK) hc_scene_free(scene);
   }
   hc_free(text);

@@ -4,6 +4,7 @@
 #include "geometry/round.h"
 #include "geometry/surface_sampling.h"
 #include "setup/trace.h"
+#include "state/rest_state.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,6 +15,7 @@ static const double rounding = 1e-4;   /* spacings, by which samples may lie off
 static const double off_second = 0.25; /* the same of second layers, in solids */
 static const char axis_names[] = "xyz";
 
+_Static_assert((int)HC_TILE_UNIT == (int)HC_REST_PARTS, "rest states are handed to samplings as they are");
 _Static_assert(HC_FACE_MINUS_X == 1 && HC_FACE_PLUS_X == 2 && HC_FACE_MINUS_Y == 4 && HC_FACE_PLUS_Y == 8 &&
                    HC_FACE_MINUS_Z == 16 && HC_FACE_PLUS_Z == 32,
                "the samplings take the scene's bits of open faces");
@@ -162,15 +164,20 @@ static bool is_plain_box(const form *f) {
   return f->form == HC_FORM_BOX && f->rotation->angle == 0;
 }
 
-/* Counts must fit the ids, and nothing may meet its own periodic image. */
+/* Counts must fit the ids. */
+static hc_status check_count(const hc_sampling *sampling, const char *name, hc_error *error) {
+  const int64_t count = hc_sampling_count(sampling);
+  if (count <= HC_ID_MAX_COUNTER) return HC_OK;
+  return hc_error_set(error, HC_BAD_INPUT, "%s: must have at most 2^%d particles, got %s%lld", name,
+                      HC_ID_COUNTER_BITS, count == INT64_MAX ? "more than " : "",
+                      count == INT64_MAX ? HC_ID_MAX_COUNTER : (long long)count);
+}
+
+/* The same, and nothing may meet its own periodic image. */
 static hc_status check_sampling(const hc_frame *frame, const hc_sampling *sampling, bool closed,
                                 const char *name, hc_error *error) {
-  const int64_t count = hc_sampling_count(sampling);
-  if (count > HC_ID_MAX_COUNTER)
-    return hc_error_set(error, HC_BAD_INPUT, "%s: must have at most 2^%d particles, got %s%lld", name,
-                        HC_ID_COUNTER_BITS, count == INT64_MAX ? "more than " : "",
-                        count == INT64_MAX ? HC_ID_MAX_COUNTER : (long long)count);
-  if (count == 0) return HC_OK;
+  if (check_count(sampling, name, error) != HC_OK) return error->status;
+  if (hc_sampling_count(sampling) == 0) return HC_OK;
   int64_t low[3], high[3];
   hc_sampling_bounds(sampling, low, high);
   for (int a = 0; a < 3; a++)
@@ -204,6 +211,31 @@ void hc_source_block_gradient(const hc_block *block, double gradient[3][3]) {
   }
 }
 
+bool hc_source_fills_period(const hc_frame *frame, const hc_setup_source *block, int axis) {
+  double low[3], high[3];
+  hc_shape_bounds(&block->shape, low, high);
+  const double period = (double)frame->period[axis] * frame->unit[axis];
+  return period > 0.0 &&
+         high[axis] - low[axis] > period - 0.5 * (double)frame->spacing[axis] * frame->unit[axis];
+}
+
+/* Images of the rest state all over the block and the air around it. */
+static hc_status tile_block(const hc_frame *frame, const hc_lattice *lattice, const hc_block *block,
+                            const char *name, hc_setup_source *source, hc_error *error) {
+  const hc_rest_state *const state = block->rest.state;
+  hc_sampling_tile tile = {.at = (const int32_t(*)[3])state->position, .count = state->count};
+  double low[3], high[3];
+  hc_shape_bounds(&source->shape, low, high);
+  for (int a = 0; a < 3; a++) {
+    const double around = hc_source_fills_period(frame, source, a) ? 0.0 : frame->support_radius;
+    tile.extent[a] = state->extent[a];
+    low[a] -= around;
+    high[a] += around;
+  }
+  source->sampling = hc_sampling_tiled(lattice, &tile, block->rest_offset, low, high);
+  return check_count(&source->sampling, name, error);
+}
+
 hc_status hc_source_block(const hc_frame *frame, const hc_block *block, int number, hc_setup_source *source,
                           hc_error *error) {
   *source = (hc_setup_source){.kind = HC_ID_FLUID, .number = number};
@@ -226,6 +258,7 @@ hc_status hc_source_block(const hc_frame *frame, const hc_block *block, int numb
   source->flow = block->flow;
   source->shape = shape_of(&f);
   const hc_lattice lattice = lattice_of(frame);
+  if (block->rest.state) return tile_block(frame, &lattice, block, name.text, source, error);
   source->sampling = is_plain_box(&f)     ? hc_sampling_block(&lattice, block->box.min, block->box.max)
                      : is_surface(f.form) ? hc_surface_sampling_fill(&lattice, f.surface)
                                           : hc_round_fill(&lattice, &source->shape);

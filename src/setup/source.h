@@ -82,6 +82,9 @@ double hc_source_layer_reach(const hc_setup_source *wall);
 /* The normal at a wall's sample k, see hc_shape_sample_normal; of a surface's only those held here. Local. */
 void hc_source_normal(const hc_frame *frame, const hc_setup_source *wall, int64_t k, double normal[3]);
 
+/* Does a block reach all around the period of an axis? Local. */
+bool hc_source_fills_period(const hc_frame *frame, const hc_setup_source *block, int axis);
+
 /* The thickness of the shape where it is thinnest; of a surface that of the box around it, m. */
 double hc_source_thickness(const hc_setup_source *source);
 

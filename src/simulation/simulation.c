@@ -7,6 +7,7 @@
 #include "setup/bodies.h"
 #include "setup/controls.h"
 #include "setup/rest_lattice.h"
+#include "setup/rest_states.h"
 #include "setup/settings.h"
 #include "setup/solvers.h"
 #include "setup/world_frame.h"
@@ -89,6 +90,37 @@ static hc_status settle(hc_simulation *simulation, hc_error *error) {
   return HC_OK;
 }
 
+hc_status hc_simulation_fit(hc_simulation *simulation, const bool *fresh, double dt, hc_error *error) {
+  const hc_scene *const scene = simulation->scene;
+  hc_step_report report = simulation->report; /* of the damped steps, which nobody else sees */
+  const hc_resting resting = {.world = &simulation->world,
+                              .bodies = &simulation->bodies,
+                              .solver = simulation->solver,
+                              .settings = simulation->solver_settings,
+                              .report = &report,
+                              .spacing = scene->particle_spacing};
+  hc_rest_fit(&resting, scene, dt, fresh, scene->fluid.block_count, &simulation->rest, error);
+  hc_simulation_disturb(simulation);
+  return error->status;
+}
+
+/* Blocks of rest states fit themselves to the others and to walls. */
+static hc_status fit_rest_states(hc_simulation *simulation, hc_error *error) {
+  const hc_scene *const scene = simulation->scene;
+  const double dt = hc_setup_calm_step(scene);
+  bool *const fresh = hc_alloc_zero((size_t)scene->fluid.block_count, sizeof *fresh);
+  for (int k = 0; k < scene->fluid.block_count; k++) fresh[k] = scene->fluid.blocks[k].rest_state[0] != '\0';
+  hc_simulation_fit(simulation, fresh, dt, error);
+  hc_free(fresh);
+  if (error->status != HC_OK) return error->status;
+  hc_setup_velocities(&simulation->plan, simulation->world.fluid);
+  pose_walls(simulation, scene->fluid.settle_steps > 0);
+  simulation->dt = dt;
+  simulation->unsettled = true; /* single particles in corners may be too dense */
+  hc_world_rebalance(&simulation->world, hc_balance_first_divider(scene), 0.0);
+  return HC_OK;
+}
+
 /* The particles of the scene, at their owners. */
 static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   hc_comm *comm = simulation->comm;
@@ -97,8 +129,11 @@ static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
                     error);
   if (hc_comm_agree(comm, error) != HC_OK) return error->status;
   hc_movers_start(world->moving);
-  pose_walls(simulation, simulation->scene->fluid.settle_steps > 0);
+  pose_walls(simulation,
+             simulation->scene->fluid.settle_steps > 0 || hc_setup_has_rest_states(simulation->scene));
   hc_world_start(world, hc_balance_first_divider(simulation->scene));
+  if (hc_setup_has_rest_states(simulation->scene) && fit_rest_states(simulation, error) != HC_OK)
+    return error->status;
   if (simulation->scene->fluid.settle_steps > 0 && settle(simulation, error) != HC_OK) return error->status;
   hc_world_update(world);
   hc_bodies_touch(&simulation->bodies, world);
@@ -134,6 +169,7 @@ static void register_state(hc_simulation *simulation) {
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->capped_at, "capped_at");
   hc_state_add(state, HC_TYPE_i64, 1, &simulation->world.fluid_total, "fluid_total");
   hc_population_register(&simulation->population, state);
+  hc_state_add(state, HC_TYPE_f64, 1, &simulation->refilled, "refilled");
   hc_bodies_register(&simulation->bodies, state);
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_avg, "density_error_avg");
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_max, "density_error_max");
@@ -141,7 +177,7 @@ static void register_state(hc_simulation *simulation) {
 }
 
 static hc_status check_start(const hc_simulation *simulation, hc_error *error) {
-  if (!simulation->solver->check_start) return HC_OK;
+  if (!simulation->solver->check_start || simulation->unsettled) return HC_OK;
   return simulation->solver->check_start(&simulation->world, simulation->solver_settings, error);
 }
 

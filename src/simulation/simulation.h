@@ -4,6 +4,7 @@
 
 #include "balance.h"
 #include "population.h"
+#include "rest.h"
 #include "rigid/contact.h"
 #include "rollback.h"
 #include "scene/scene.h"
@@ -40,8 +41,11 @@ typedef struct hc_simulation {
   hc_bodies bodies;
   hc_impulses loads; /* of the fluid on bodies, of the step under way */
   hc_population population;
-  int64_t capped_at; /* the last step in which the density solver was at its cap; 0: none */
-  double imbalance;  /* largest over mean number of own fluid particles at the start */
+  hc_rest_report rest; /* of the rest states that have come last */
+  double refilled;     /* s: blocks that start until then have come */
+  bool unsettled;      /* the caller sets it behind prepare: a start may be too dense */
+  int64_t capped_at;   /* the last step in which the density solver was at its cap; 0: none */
+  double imbalance;    /* largest over mean number of own fluid particles at the start */
   hc_balance balance;
   hc_rollback rollback; /* of the last call, and what the next may go back to */
   hc_company company;   /* the caller's */
@@ -70,6 +74,10 @@ bool hc_simulation_done(const hc_simulation *simulation);
 
 /* Puts moving walls where they stand at simulation->time; hc_world_place must follow. Collective. */
 void hc_simulation_pose_walls(hc_simulation *simulation);
+
+/* Particles of `fresh` blocks, which have just been put into the fluid's store, fit themselves to what is
+ * there, see rest.h; simulation->rest tells. hc_world_place must follow. Collective; HC_FAILED, agreed. */
+hc_status hc_simulation_fit(hc_simulation *simulation, const bool *fresh, double dt, hc_error *error);
 
 /* Fluid particles have been moved, or their state gone back, by others than steps: what the last step found
  * out of their places does not hold. Local, on all ranks. */

@@ -84,9 +84,11 @@ static void correct(const solve *solve) {
   hc_world *world = solve->world;
   world->sweeps->pressure(&world->sweep, solve->weight, solve->multiplier,
                           hc_select_border(world->listed, world->fluid));
+  hc_hold_still(world, 0, world->fluid->border);
   hc_halo_begin(world->halo, HC_WHOLE(motion));
   world->sweeps->pressure(&world->sweep, solve->weight, solve->multiplier,
                           hc_select_interior(world->listed, world->fluid));
+  hc_hold_still(world, world->fluid->border, world->fluid->own);
   hc_yield_act(solve->yield);
   hc_halo_end(world->halo);
 }
@@ -160,9 +162,11 @@ static void apply_forces(hc_world *world, const hc_solver_settings *settings, do
   const float *change = hc_find_forces(world, settings, dt, world->listed);
   hc_accelerate(world, settings, change, dt, 0, border);
   hc_wall_layer_act(world, settings, dt, 0, border);
+  hc_hold_still(world, 0, border);
   hc_halo_begin(world->halo, HC_WHOLE(motion));
   hc_accelerate(world, settings, change, dt, border, own);
   hc_wall_layer_act(world, settings, dt, border, own);
+  hc_hold_still(world, border, own);
   report->force_max = hc_largest_force(world, settings, dt, change, NULL);
   hc_halo_end(world->halo);
 }
@@ -234,6 +238,11 @@ static void densities(hc_world *world, const hc_solver_settings *settings) {
   world->sweeps->density(&world->sweep, world->listed);
 }
 
+static hc_solver_effort effort(hc_solver_settings *settings) {
+  hc_dfsph_settings *const own = (hc_dfsph_settings *)settings;
+  return (hc_solver_effort){&own->density_error_avg, &own->density_max};
+}
+
 static const char *const controls[] = {"cfl", "constant", "adaptive", NULL};
 
 const hc_solver_ops hc_solver_dfsph = {.name = "dfsph",
@@ -245,5 +254,6 @@ const hc_solver_ops hc_solver_dfsph = {.name = "dfsph",
                                        .controls = controls,
                                        .step = step,
                                        .densities = densities,
+                                       .effort = effort,
                                        .check_start = hc_solver_check_settled,
                                        .summary = hc_solver_tell_caps};

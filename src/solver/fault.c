@@ -17,7 +17,8 @@ void hc_fault_note(hc_fault *fault, hc_fault_kind kind, double value, uint64_t i
 static void watch_velocities(const hc_world *world, double dt, hc_fault_kind no_number, hc_fault_kind fast,
                              hc_fault *fault) {
   const hc_particles *fluid = world->fluid;
-  const double limit = world->frame.support_radius / dt;
+  static const double DAMPED = 1000.0; /* damped steps are cut to what is safe (simulation/relax.h) */
+  const double limit = (world->holding ? DAMPED : 1.0) * world->frame.support_radius / dt;
   for (int32_t k = 0; k < fluid->own; k++) {
     const double *v = &fluid->velocity[3 * (size_t)k];
     const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];

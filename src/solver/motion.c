@@ -5,6 +5,7 @@
 
 #include "base/clamp.h"
 #include "base/memory.h"
+#include "particles/ids.h"
 
 #include <math.h>
 #include <string.h>
@@ -97,6 +98,15 @@ void hc_accelerate(hc_world *world, const hc_solver_settings *settings, const fl
       *velocity += (double)change[3 * (size_t)k + axis] + dt * force[axis];
       fluid->motion[k].v[axis] = (float)*velocity;
     }
+  }
+}
+
+void hc_hold_still(hc_world *world, int32_t begin, int32_t end) {
+  hc_particles *const fluid = world->fluid;
+  for (int32_t k = begin; k < end && world->holding; k++) {
+    if (hc_id_kind_of(fluid->id[k]) != HC_ID_HELD) continue;
+    memset(&fluid->velocity[3 * (size_t)k], 0, 3 * sizeof *fluid->velocity);
+    memset(fluid->motion[k].v, 0, sizeof fluid->motion[k].v);
   }
 }
 

@@ -15,6 +15,7 @@
 #include "yield.h"
 
 #include "base/memory.h"
+#include "particles/ids.h"
 
 #include <math.h>
 #include <string.h>
@@ -86,6 +87,14 @@ static void press_walls(const pcisph *step, hc_store *walls) {
   hc_halo_refresh(&walls->halo, HC_SCALAR(place));
 }
 
+/* What is held is not pushed. */
+static void hold_pushes(const pcisph *step) {
+  hc_particles *const fluid = step->world->fluid;
+  for (int32_t k = 0; k < fluid->own && step->world->holding; k++)
+    if (hc_id_kind_of(fluid->id[k]) == HC_ID_HELD)
+      memset(&fluid->push[3 * (size_t)k], 0, 3 * sizeof *fluid->push);
+}
+
 /* One prediction: where particles will be, how dense, and the pressures against that; ghosts' too. */
 static hc_error_total predict(pcisph *step, bool with_push) {
   hc_world *world = step->world;
@@ -109,6 +118,7 @@ static hc_error_total predict(pcisph *step, bool with_push) {
   world->sweeps->push(&world->sweep, &step->prediction, interior);
   hc_halo_end(world->halo);
   world->sweeps->push(&world->sweep, &step->prediction, border);
+  hold_pushes(step);
   return total;
 }
 
@@ -284,6 +294,7 @@ static hc_status advance(hc_world *world, hc_bodies *bodies, const hc_solver_set
   }
   hc_wall_layer_list(world, false);
   hc_wall_layer_act(world, settings, dt, 0, world->fluid->own);
+  hc_hold_still(world, 0, world->fluid->own);
   hc_yield_begin(&step.yield, world, bodies, dt);
   hc_yield_measure(&step.yield);
   hc_yield_accelerate(&step.yield);

@@ -12,6 +12,7 @@
  *              check_start default: any start will do
  *              reach       default: as far as the frame's margin
  *              evaluate    default: what acts hangs on the step
+ *              effort      default: none that others may change
  *              describe, doubt, summary  default: nothing to say
  * Its settings begin with the common ones. */
 #ifndef HC_SOLVER_H
@@ -74,6 +75,12 @@ typedef struct hc_solver_caps {
   int64_t density, divergence, steps; /* of so many */
 } hc_solver_caps;
 
+/* When density iterations end: below an average error, or after so many. */
+typedef struct hc_solver_effort {
+  double *error_avg;
+  int *most;
+} hc_solver_effort;
+
 typedef struct hc_solver_ops {
   const char *name;
   unsigned features;     /* HC_FOR_*: the fields it needs */
@@ -105,6 +112,9 @@ typedef struct hc_solver_ops {
   /* Fills densities (and what goes with them) at the present positions, as steps do. Collective. Before:
    * hc_world_update. */
   void (*densities)(hc_world *world, const hc_solver_settings *settings);
+
+  /* Where it says when its density iterations end, for others to change. Local. */
+  hc_solver_effort (*effort)(hc_solver_settings *settings);
 
   /* Refuses a start that it cannot go on from. Collective. Before: `densities`. HC_BAD_INPUT, agreed. */
   hc_status (*check_start)(const hc_world *world, const hc_solver_settings *settings, hc_error *error);
@@ -155,6 +165,9 @@ void hc_accelerate(hc_world *world, const hc_solver_settings *settings, const fl
  * force. Local. */
 double hc_largest_force(const hc_world *world, const hc_solver_settings *settings, double dt,
                         const float *change, const float *push);
+
+/* Where the world is holding, takes the velocity from own particles [begin, end) that are held. Local. */
+void hc_hold_still(hc_world *world, int32_t begin, int32_t end);
 
 /* The largest squared speed of own particles, m2/s2. Local. */
 double hc_fastest(const hc_particles *fluid);

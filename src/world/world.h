@@ -51,6 +51,8 @@ typedef struct hc_world {
   hc_touches touches;
   double block;  /* s: of individual steps, the last; 0: there was none */
   double margin; /* m: by which lists reach farther than the support, at least */
+  bool holding; /* fluid particles whose ids are of kind HC_ID_HELD stand still, also while a solver looks for
+                   pressures */
   hc_chosen chosen;
   hc_wall_friction *friction; /* see hc_sweep; owned */
   const hc_sweeps *sweeps;

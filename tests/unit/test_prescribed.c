@@ -272,7 +272,7 @@ static const char *read_bytes(const char *text, size_t length, const char *more,
           more);
   fclose(file);
   const char *names[HC_FIELD_COUNT];
-  hc_scene_limits limits = hc_scene_input_limits(names);
+  hc_scene_limits limits = hc_scene_input_limits(names, NULL);
   limits.check = NULL; /* there is no fluid */
   if (hc_scene_read(scene, path, NULL, 0, &limits, NULL, &error) == HC_OK) return "";
   *strchr(error.text, '\n') = '\0';

@@ -1,0 +1,296 @@
+#include "rest_choice.h"
+
+#include "base/memory.h"
+#include "particles/ids.h"
+#include "sph/kernel.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What a particle is; in motion.scalar, of ghosts too. */
+typedef enum what { GONE, HERE, FRESH, AIR } what;
+
+static const double NEAREST = 0.25; /* spacings, to fluid that is here: half a radius */
+enum { MOST_PASSES = 1000 };
+
+/* Where the solver squares wall densities, the plain sum is right in the mean, for as much water as there is
+ * room, but keeps particles that sit in the surface; the square alone takes 3 % of a box's water away. So the
+ * square counts by this beside the plain sum (not in the paper). */
+static const double COUNTED = 0.1;
+
+typedef struct choice {
+  hc_world *world;
+  const hc_scene_rest *rules;
+  const bool *fresh;
+  int sources;
+  int32_t *candidates; /* ascending */
+  int32_t count;
+  double *constant; /* of candidates: density of what stays, walls first; of the rest density */
+  double *density;  /* of candidates */
+  bool *denied;     /* of candidates: too dense, and not protected */
+  double cap;
+} choice;
+
+static what what_of(const hc_world *world, int32_t j) {
+  return (what)world->fluid->motion[j].scalar;
+}
+
+/* In support radii. */
+static double distance(const hc_world *world, int32_t i, int32_t j) {
+  const hc_record *const place = world->fluid->place;
+  double square = 0.0;
+  for (int axis = 0; axis < 3; axis++) {
+    const double d = (double)(int32_t)((uint32_t)place[i].x[axis] - (uint32_t)place[j].x[axis]) *
+                     (double)world->sweep.scale[axis];
+    square += d * d;
+  }
+  return sqrt(square);
+}
+
+/* What a particle adds to the density at a distance, of the rest density. */
+static double share_at(const hc_world *world, double q) {
+  return q < 1.0 ? (double)world->sweep.volume * (double)world->sweep.kernel * hc_kernel_shape(q) : 0.0;
+}
+
+/* Densities at a particle by what makes them, itself not counted; and the nearest of what is here. */
+typedef struct around {
+  double of[AIR + 1], nearest;
+} around;
+
+static around look_around(const hc_world *world, int32_t i) {
+  around found = {.nearest = 1.0};
+  const uint32_t *const row = hc_list_row(&world->list, i);
+  for (int32_t k = 0; k < hc_list_count(&world->list, i); k++) {
+    const int32_t j = (int32_t)(row[k] / sizeof(hc_record));
+    const what other = what_of(world, j);
+    const double q = distance(world, i, j);
+    found.of[other] += share_at(world, q);
+    if (other == HERE) found.nearest = fmin(found.nearest, q);
+  }
+  return found;
+}
+
+/* What walls add to a particle's density, of the rest density. */
+typedef struct walls_around {
+  bool any;
+  double plain;   /* the sum over their volumes; without volumes as counted */
+  double counted; /* what the solver makes of it */
+} walls_around;
+
+/* `fluid`: its density by all fluid that there is, which with walls makes the solver's. */
+static walls_around look_at_walls(const hc_world *world, int32_t i, double fluid) {
+  const uint32_t *const row = hc_list_row(&world->walls, i);
+  walls_around found = {.any = false};
+  for (int32_t k = 0; k < hc_list_count(&world->walls, i); k++) {
+    const int32_t b = (int32_t)(row[k] / sizeof(hc_record));
+    double d[3];
+    hc_sweep_from_wall(&world->sweep, i, b, d);
+    const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    if (!(square < 1.0)) continue;
+    found.any = true;
+    found.plain += (double)world->boundary->place[b].scalar * (double)world->sweep.kernel *
+                   hc_kernel_shape(sqrt(square));
+  }
+  if (!found.any) return found;
+  found.counted = (double)world->fluid->density[i] / (double)world->sweep.rest_density - fluid;
+  if (world->sweep.walls_add != HC_WALLS_MIRRORED) found.plain = found.counted;
+  return found;
+}
+
+/* ---- before the passes ---- */
+
+static void show(const choice *c) {
+  hc_halo_refresh(c->world->halo, HC_SCALAR(motion));
+}
+
+static void tell_apart(const choice *c, hc_rest_chosen *chosen) {
+  hc_particles *const fluid = c->world->fluid;
+  for (int32_t i = 0; i < fluid->own; i++) {
+    const int64_t source = hc_id_source_of(fluid->id[i]);
+    const bool air = hc_id_kind_of(fluid->id[i]) == HC_ID_AIR,
+               fresh = source < c->sources && c->fresh[source];
+    fluid->motion[i].scalar = (float)(air ? AIR : fresh ? FRESH : HERE);
+    chosen->loaded += !air && fresh;
+    chosen->air += air;
+  }
+  show(c);
+}
+
+/* Takes away who is too near to what is there, or gets too much density from it, and finds the candidates. */
+static void start(choice *c) {
+  hc_world *const world = c->world;
+  hc_particles *const fluid = world->fluid;
+  const double itself = share_at(world, 0.0), nearest = NEAREST * 2.0 * (double)world->sweep.wall_offset;
+  size_t room[4] = {0, 0, 0, 0};
+  for (int32_t i = 0; i < fluid->own; i++) {
+    fluid->place[i].scalar = 0.0f; /* who goes is noted there, as all judge on the state before */
+    const what it = what_of(world, i);
+    if (it != FRESH && it != AIR) continue;
+    const around all = look_around(world, i);
+    const walls_around walls = look_at_walls(world, i, itself + all.of[HERE] + all.of[FRESH] + all.of[AIR]);
+    if (all.nearest < nearest || walls.plain + all.of[HERE] > c->rules->early_density) {
+      fluid->place[i].scalar = 1.0f;
+      continue;
+    }
+    if (it != FRESH || !(walls.any || all.nearest < 1.0)) continue;
+    const size_t kept = (size_t)c->count, wanted = 2 * kept + 64;
+    hc_reserve((void **)&c->candidates, &room[0], kept + 1 > room[0] ? wanted : kept + 1, kept,
+               sizeof *c->candidates);
+    hc_reserve((void **)&c->constant, &room[1], kept + 1 > room[1] ? wanted : kept + 1, kept,
+               sizeof *c->constant);
+    c->candidates[c->count] = i;
+    c->constant[c->count++] = walls.plain + COUNTED * (walls.counted - walls.plain) + all.of[HERE];
+  }
+  for (int32_t i = 0; i < fluid->own; i++) {
+    if (fluid->place[i].scalar != 0.0f) fluid->motion[i].scalar = (float)GONE;
+    fluid->place[i].scalar = 0.0f;
+  }
+  show(c);
+  c->density = hc_alloc((size_t)c->count, sizeof *c->density);
+  c->denied = hc_alloc((size_t)c->count, sizeof *c->denied);
+}
+
+/* ---- passes ---- */
+
+/* Densities of the candidates that are left, their ghosts' too; their number, mean and largest. */
+static void find_densities(choice *c, bool air_too, int64_t *left, double *mean, double *most) {
+  hc_world *const world = c->world;
+  const double itself = share_at(world, 0.0);
+  hc_sum sum;
+  memset(&sum, 0, sizeof sum);
+  *left = 0;
+  *most = 0.0;
+  for (int32_t k = 0; k < c->count; k++) {
+    const int32_t i = c->candidates[k];
+    if (what_of(world, i) != FRESH) {
+      world->fluid->place[i].scalar = 0.0f;
+      continue;
+    }
+    const around found = look_around(world, i);
+    if (air_too) c->constant[k] += found.of[AIR];
+    c->density[k] = c->constant[k] + itself + found.of[FRESH];
+    world->fluid->place[i].scalar = (float)c->density[k];
+    hc_sum_add(&sum, c->density[k]);
+    *most = fmax(*most, c->density[k]);
+    ++*left;
+  }
+  hc_halo_refresh(world->halo, HC_SCALAR(place));
+  hc_tally tally = {.count = 0};
+  hc_tally_sum_exact(&tally, &sum, 1);
+  hc_tally_sum_i64(&tally, left, 1);
+  hc_tally_max_f64(&tally, most, 1);
+  hc_tally_reduce(world->comm, &tally);
+  *mean = *left > 0 ? hc_sum_value(&sum) / (double)*left : 0.0;
+}
+
+/* Without a denser neighbour it would be below the threshold. */
+static bool is_protected(const choice *c, int32_t k) {
+  const hc_world *const world = c->world;
+  const hc_record *const place = world->fluid->place;
+  const int32_t i = c->candidates[k];
+  const uint32_t *const row = hc_list_row(&world->list, i);
+  bool safe = false;
+  for (int32_t n = 0; n < hc_list_count(&world->list, i) && !safe; n++) {
+    const int32_t j = (int32_t)(row[n] / sizeof(hc_record));
+    safe =
+        place[j].scalar > place[i].scalar && c->density[k] - share_at(world, distance(world, i, j)) < c->cap;
+  }
+  return safe;
+}
+
+static void deny(choice *c) {
+  hc_world *const world = c->world;
+  for (int32_t k = 0; k < c->count; k++)
+    c->denied[k] = what_of(world, c->candidates[k]) == FRESH && c->density[k] > c->cap &&
+                   !(c->rules->protection && is_protected(c, k));
+  for (int32_t k = 0; k < c->count; k++)
+    if (c->denied[k]) world->fluid->motion[c->candidates[k]].scalar = (float)GONE;
+  show(c);
+}
+
+/* How far the threshold falls. */
+static double fall(const choice *c, double mean) {
+  const hc_scene_rest *const rules = c->rules;
+  double by = rules->step;
+  if (rules->regulator > 0.0) {
+    by = fmin((mean - rules->target) * rules->regulator, 0.5 * (c->cap - rules->target));
+    by = fmax(by, rules->step);
+  }
+  return by;
+}
+
+static void select_candidates(choice *c, hc_rest_chosen *chosen) {
+  double most;
+  find_densities(c, true, &chosen->before, &chosen->mean, &most);
+  chosen->candidates = chosen->before;
+  c->cap = most;
+  while (chosen->mean > c->rules->target && chosen->candidates > 0 && chosen->iterations < MOST_PASSES) {
+    c->cap -= fall(c, chosen->mean);
+    deny(c);
+    find_densities(c, false, &chosen->candidates, &chosen->mean, &most);
+    chosen->iterations++;
+  }
+}
+
+static void find_deviation(const choice *c, hc_rest_chosen *chosen) {
+  hc_sum sum;
+  memset(&sum, 0, sizeof sum);
+  for (int32_t k = 0; k < c->count; k++) {
+    const double off = c->density[k] - c->rules->target;
+    if (what_of(c->world, c->candidates[k]) == FRESH) hc_sum_add(&sum, off * off);
+  }
+  hc_comm_sum_exact(c->world->comm, &sum, 1);
+  chosen->deviation = chosen->candidates > 0 ? sqrt(hc_sum_value(&sum) / (double)chosen->candidates) : 0.0;
+}
+
+/* ---- who has a say ---- */
+
+/* Gives a part to those that are away and have particles of the part above in their support. */
+static void spread(const choice *c, hc_rest_part *part, hc_rest_part above) {
+  hc_world *const world = c->world;
+  hc_particles *const fluid = world->fluid;
+  for (int32_t i = 0; i < fluid->own; i++) fluid->place[i].scalar = (float)part[i];
+  hc_halo_refresh(world->halo, HC_SCALAR(place));
+  for (int32_t i = 0; i < fluid->own; i++) {
+    if (part[i] != HC_REST_AWAY) continue;
+    const uint32_t *const row = hc_list_row(&world->list, i);
+    bool near = false;
+    for (int32_t n = 0; n < hc_list_count(&world->list, i) && !near; n++) {
+      const int32_t j = (int32_t)(row[n] / sizeof(hc_record));
+      near = fluid->place[j].scalar == (float)above && distance(world, i, j) < 1.0;
+    }
+    if (near) part[i] = (hc_rest_part)(above - 1);
+  }
+}
+
+static void share_parts(const choice *c, hc_rest_part *part) {
+  const hc_particles *const fluid = c->world->fluid;
+  for (int32_t i = 0; i < fluid->own; i++) {
+    const what it = what_of(c->world, i);
+    part[i] = it == GONE || it == AIR ? HC_REST_GONE : HC_REST_AWAY;
+  }
+  for (int32_t k = 0; k < c->count; k++)
+    if (part[c->candidates[k]] != HC_REST_GONE) part[c->candidates[k]] = HC_REST_CANDIDATE;
+  spread(c, part, HC_REST_CANDIDATE);
+  spread(c, part, HC_REST_BESIDE);
+}
+
+void hc_rest_choose(const hc_resting *resting, const hc_scene_rest *rules, const bool *fresh, int sources,
+                    hc_rest_part *part, hc_rest_chosen *chosen) {
+  choice c = {.world = resting->world, .rules = rules, .fresh = fresh, .sources = sources};
+  memset(chosen, 0, sizeof *chosen);
+  resting->solver->densities(c.world, resting->settings);
+  tell_apart(&c, chosen);
+  start(&c);
+  select_candidates(&c, chosen);
+  find_deviation(&c, chosen);
+  share_parts(&c, part);
+  int64_t counts[2] = {chosen->loaded, chosen->air};
+  hc_comm_sum_i64(c.world->comm, counts, 2);
+  chosen->loaded = counts[0];
+  chosen->air = counts[1];
+  hc_free(c.candidates);
+  hc_free(c.constant);
+  hc_free(c.density);
+  hc_free(c.denied);
+}
