@@ -92,7 +92,6 @@ hc_status hc_rest_fit(const hc_resting *resting, const hc_scene *scene, double d
   hc_domain_forget_partners(&world->domain);
   hc_world_place(world);
   hc_bodies_touch(resting->bodies, world);
-  hc_world_list(world, NULL);
   hc_rest_part *const part = hc_alloc((size_t)world->fluid->own, sizeof *part);
   hc_rest_choose(resting, &scene->fluid.rest, fresh, sources, part, &report->chosen);
   const int64_t total = world->fluid_total;

@@ -23,6 +23,7 @@ typedef struct choice {
   const hc_scene_rest *rules;
   const bool *fresh;
   int sources;
+  int32_t *near;       /* own particles that may be, ascending */
   int32_t *candidates; /* ascending */
   int32_t count;
   double *constant; /* of candidates: density of what stays, walls first; of the rest density */
@@ -97,7 +98,7 @@ static walls_around look_at_walls(const hc_world *world, int32_t i, double fluid
   return found;
 }
 
-/* ---- before the passes ---- */
+/* ---- who is looked at ---- */
 
 static void show(const choice *c) {
   hc_halo_refresh(c->world->halo, HC_SCALAR(motion));
@@ -105,6 +106,7 @@ static void show(const choice *c) {
 
 static void tell_apart(const choice *c, hc_rest_chosen *chosen) {
   hc_particles *const fluid = c->world->fluid;
+  chosen->loaded = chosen->air = 0;
   for (int32_t i = 0; i < fluid->own; i++) {
     const int64_t source = hc_id_source_of(fluid->id[i]);
     const bool air = hc_id_kind_of(fluid->id[i]) == HC_ID_AIR,
@@ -116,14 +118,77 @@ static void tell_apart(const choice *c, hc_rest_chosen *chosen) {
   show(c);
 }
 
+/* Which cells, of own particles and ghosts, hold fluid that is here: a bit for each, by brick. */
+static uint64_t *cells_here(const hc_world *world) {
+  const hc_cells *const cells = world->cells;
+  uint64_t *const bits = hc_alloc_zero((size_t)cells->bricks.count, sizeof *bits);
+  for (int32_t brick = 0; brick < cells->bricks.count; brick++)
+    for (int cell = 0; cell < HC_BRICK_CELLS; cell++)
+      for (int32_t k = 0; k < cells->count[brick][cell]; k++)
+        if (what_of(world, cells->begin[brick][cell] + k) == HERE) bits[brick] |= (uint64_t)1 << cell;
+  return bits;
+}
+
+static bool any_here(const uint64_t *here, const int32_t adjacent[HC_ADJACENT], int cell) {
+  bool any = false;
+  for (int way = 0; way < HC_ADJACENT && !any; way++) {
+    int there;
+    const int32_t brick = hc_cells_next(adjacent, cell, way, &there);
+    any = brick >= 0 && (here[brick] >> there & 1);
+  }
+  return any;
+}
+
+/* Are there walls in or around the cell of a brick? */
+static bool any_wall(const hc_world *world, hc_brick place, int cell) {
+  bool any = false;
+  for (int k = HC_STORE_BOUNDARY; k <= HC_STORE_MOVING && !any; k++) {
+    const hc_cells *const walls = &world->stores[k].cells;
+    int32_t adjacent[HC_ADJACENT];
+    any = hc_brick_set_around(&walls->bricks, place, adjacent) && hc_cells_any_around(walls, adjacent, cell);
+  }
+  return any;
+}
+
+/* Lists own particles of cells that have walls, or fluid that is here, in or around them: the others cannot
+ * be candidates, and how many they are costs nothing. */
+static void list_near(choice *c) {
+  hc_world *const world = c->world;
+  const hc_cells *const cells = world->cells;
+  uint64_t *const here = cells_here(world);
+  size_t room = 0;
+  int32_t count = 0;
+  for (int32_t k = 0; k < cells->own_cell_count; k++) {
+    const int32_t brick = cells->own_cells[k] / HC_BRICK_CELLS, cell = cells->own_cells[k] % HC_BRICK_CELLS;
+    const hc_brick place = cells->bricks.bricks[brick];
+    int32_t around[HC_ADJACENT];
+    hc_brick_set_around(&cells->bricks, place, around);
+    if (!any_wall(world, place, cell) && !any_here(here, around, cell)) continue;
+    const int32_t first = cells->begin[brick][cell], more = cells->count[brick][cell];
+    hc_reserve((void **)&c->near, &room, 2 * (size_t)(count + more), (size_t)count, sizeof *c->near);
+    for (int32_t n = 0; n < more; n++) c->near[count++] = first + n;
+  }
+  hc_free(here);
+  hc_selection selection = {c->near, 0, count, false};
+  hc_world_list(world, &selection);
+  hc_neighbors_spread(&world->list, selection, world->fluid->own);
+  hc_neighbors_spread(&world->walls, selection, world->fluid->own);
+  selection.of_all = true;
+  world->listed = selection;
+}
+
+/* ---- before the passes ---- */
+
 /* Takes away who is too near to what is there, or gets too much density from it, and finds the candidates. */
 static void start(choice *c) {
   hc_world *const world = c->world;
   hc_particles *const fluid = world->fluid;
   const double itself = share_at(world, 0.0), nearest = NEAREST * 2.0 * (double)world->sweep.wall_offset;
   size_t room[4] = {0, 0, 0, 0};
-  for (int32_t i = 0; i < fluid->own; i++) {
-    fluid->place[i].scalar = 0.0f; /* who goes is noted there, as all judge on the state before */
+  for (int32_t i = 0; i < fluid->own; i++) /* who goes is noted there, as all judge on the state before */
+    fluid->place[i].scalar = 0.0f;
+  for (int32_t row = 0; row < world->listed.end; row++) {
+    const int32_t i = hc_selected(world->listed, row);
     const what it = what_of(world, i);
     if (it != FRESH && it != AIR) continue;
     const around all = look_around(world, i);
@@ -245,42 +310,75 @@ static void find_deviation(const choice *c, hc_rest_chosen *chosen) {
 
 /* ---- who has a say ---- */
 
-/* Gives a part to those that are away and have particles of the part above in their support. */
-static void spread(const choice *c, hc_rest_part *part, hc_rest_part above) {
+/* Gives a part to those that are away and in the support of selected particles, whoever owns them. */
+static void spread(const choice *c, const hc_neighbors *list, hc_selection from, hc_rest_part give,
+                   hc_rest_part *part) {
   hc_world *const world = c->world;
-  hc_particles *const fluid = world->fluid;
-  for (int32_t i = 0; i < fluid->own; i++) fluid->place[i].scalar = (float)part[i];
-  hc_halo_refresh(world->halo, HC_SCALAR(place));
-  for (int32_t i = 0; i < fluid->own; i++) {
-    if (part[i] != HC_REST_AWAY) continue;
-    const uint32_t *const row = hc_list_row(&world->list, i);
-    bool near = false;
-    for (int32_t n = 0; n < hc_list_count(&world->list, i) && !near; n++) {
-      const int32_t j = (int32_t)(row[n] / sizeof(hc_record));
-      near = fluid->place[j].scalar == (float)above && distance(world, i, j) < 1.0;
+  const hc_particles *const fluid = world->fluid;
+  const size_t records = (size_t)fluid->own + (size_t)fluid->ghosts;
+  float *const asked = hc_alloc_zero(records + 1, sizeof *asked); /* less than 0: asked */
+  uint64_t *const bits = hc_alloc_zero(records / 64 + 1, sizeof *bits);
+  for (int32_t row = from.begin; row < from.end; row++) {
+    const int32_t i = hc_selected(from, row), at = hc_row_of(from, row);
+    const uint32_t *const offset = hc_list_row(list, at);
+    for (int32_t n = 0; n < hc_list_count(list, at); n++) {
+      const int32_t j = (int32_t)(offset[n] / sizeof(hc_record));
+      if (distance(world, i, j) < 1.0) asked[j] = -1.0f;
     }
-    if (near) part[i] = (hc_rest_part)(above - 1);
   }
+  for (size_t j = (size_t)fluid->own; j < records; j++)
+    if (asked[j] < 0.0f) bits[j / 64] |= (uint64_t)1 << j % 64;
+  hc_halo_fold_least(world->halo, HC_TYPE_f32, 1, asked, bits);
+  for (int32_t i = 0; i < fluid->own; i++)
+    if (asked[i] < 0.0f && part[i] == HC_REST_AWAY) part[i] = give;
+  hc_free(asked);
+  hc_free(bits);
+}
+
+/* Own particles of a part. */
+static hc_selection select_part(const hc_particles *fluid, const hc_rest_part *part, hc_rest_part wanted,
+                                int32_t **index) {
+  int32_t count = 0;
+  for (int32_t i = 0; i < fluid->own; i++) count += part[i] == wanted;
+  *index = hc_alloc((size_t)count + 1, sizeof **index);
+  count = 0;
+  for (int32_t i = 0; i < fluid->own; i++)
+    if (part[i] == wanted) (*index)[count++] = i;
+  return (hc_selection){*index, 0, count, false};
 }
 
 static void share_parts(const choice *c, hc_rest_part *part) {
-  const hc_particles *const fluid = c->world->fluid;
+  hc_world *const world = c->world;
+  const hc_particles *const fluid = world->fluid;
   for (int32_t i = 0; i < fluid->own; i++) {
-    const what it = what_of(c->world, i);
+    const what it = what_of(world, i);
     part[i] = it == GONE || it == AIR ? HC_REST_GONE : HC_REST_AWAY;
   }
   for (int32_t k = 0; k < c->count; k++)
     if (part[c->candidates[k]] != HC_REST_GONE) part[c->candidates[k]] = HC_REST_CANDIDATE;
-  spread(c, part, HC_REST_CANDIDATE);
-  spread(c, part, HC_REST_BESIDE);
+  int32_t *candidates, *beside;
+  hc_selection from = select_part(fluid, part, HC_REST_CANDIDATE, &candidates);
+  from.of_all = true;
+  spread(c, &world->list, from, HC_REST_BESIDE, part);
+  hc_neighbors list;
+  hc_neighbors_init(&list);
+  from = select_part(fluid, part, HC_REST_BESIDE, &beside);
+  hc_neighbors_build(&list, &world->search, world->cells, fluid, from,
+                     &(hc_neighbor_source){world->cells, fluid}, 1);
+  spread(c, &list, from, HC_REST_BEHIND, part);
+  hc_neighbors_free(&list);
+  hc_free(candidates);
+  hc_free(beside);
 }
 
 void hc_rest_choose(const hc_resting *resting, const hc_scene_rest *rules, const bool *fresh, int sources,
                     hc_rest_part *part, hc_rest_chosen *chosen) {
   choice c = {.world = resting->world, .rules = rules, .fresh = fresh, .sources = sources};
   memset(chosen, 0, sizeof *chosen);
-  resting->solver->densities(c.world, resting->settings);
   tell_apart(&c, chosen);
+  list_near(&c);
+  resting->solver->densities(c.world, resting->settings);
+  tell_apart(&c, chosen); /* lists and densities overwrite it */
   start(&c);
   select_candidates(&c, chosen);
   find_deviation(&c, chosen);
@@ -289,6 +387,7 @@ void hc_rest_choose(const hc_resting *resting, const hc_scene_rest *rules, const
   hc_comm_sum_i64(c.world->comm, counts, 2);
   chosen->loaded = counts[0];
   chosen->air = counts[1];
+  hc_free(c.near);
   hc_free(c.candidates);
   hc_free(c.constant);
   hc_free(c.density);

@@ -29,7 +29,8 @@ typedef struct hc_rest_chosen {
 } hc_rest_chosen;
 
 /* Says of every own fluid particle which part it has; `fresh`: whether particles of that source have just
- * come. `part` has room for all of them. Collective. Before: hc_world_update. After: scalars of place and
+ * come. `part` has room for all of them. Collective. Before: hc_world_place. After: lists are
+ * of few, and scalars of place and
  * motion of the fluid are no more what steps make of them. */
 void hc_rest_choose(const hc_resting *resting, const hc_scene_rest *rules, const bool *fresh, int sources,
                     hc_rest_part *part, hc_rest_chosen *chosen);

@@ -364,6 +364,11 @@ HC_INLINE void sum_kernels(const hc_sweep *sweep, const hc_record *targets, cons
   add_up(kernels, count);
 }
 
+/* Have rows [first, first + count) of a selection no entries? Says no where they are not one after another. */
+HC_INLINE bool rows_are_empty(const hc_neighbors *list, hc_selection selection, int32_t first, int32_t count) {
+  return !(selection.index && selection.of_all) && hc_list_empty(list, first, first + count);
+}
+
 /* Sums (s_i + s_j) grad W over fluid neighbours of a block with s = place.scalar, without the constant. */
 HC_INLINE void sum_pressure_gradients(const hc_sweep *sweep, hc_selection selection, int32_t first,
                                       int32_t count, block_vectors *gradients) {

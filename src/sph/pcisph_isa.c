@@ -8,7 +8,7 @@
 /* Sums W over boundary neighbours of a block, without the constant; each sample as a particle of fluid. */
 HC_INLINE void sum_wall_kernels(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
                                 block_sums *kernels) {
-  if (hc_list_empty(sweep->walls, first, first + count)) { /* far from any wall */
+  if (rows_are_empty(sweep->walls, selection, first, count)) { /* far from any wall */
     memset(kernels->total, 0, sizeof kernels->total);
     return;
   }
@@ -35,7 +35,7 @@ HC_INLINE void no_planes(block_planes *planes) {
  * height over the sample (`plane`) or w (1 - q * steepness). */
 HC_INLINE void sum_planes(const hc_sweep *sweep, const hc_record *vectors, bool plane, float steepness,
                           hc_selection selection, int32_t first, int32_t count, block_planes *planes) {
-  if (hc_list_empty(sweep->walls, first, first + count)) {
+  if (rows_are_empty(sweep->walls, selection, first, count)) {
     no_planes(planes);
     return;
   }
@@ -161,7 +161,7 @@ void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_predicti
   block_sums kernels;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
-    if (hc_list_empty(list, first, first + count)) continue; /* dry: the pressure stays 0 */
+    if (rows_are_empty(list, selection, first, count)) continue; /* dry: the pressure stays 0 */
     sum_kernels(sweep, boundary->place, list, sweep->fluid->place, NULL, selection, first, count, &kernels);
     for (int32_t k = 0; k < count; k++) {
       const int32_t b = hc_selected(selection, first + k);
@@ -178,7 +178,7 @@ void HC_ISA_SYMBOL(hc_boundary_density)(const hc_sweep *sweep, const hc_predicti
 /* Sums (s_i + s_b) grad W over boundary neighbours of a block, without constants. */
 HC_INLINE void sum_wall_pushes(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
                                block_vectors *pushes) {
-  if (hc_list_empty(sweep->walls, first, first + count)) {
+  if (rows_are_empty(sweep->walls, selection, first, count)) {
     memset(pushes->x.total, 0, sizeof pushes->x.total);
     memset(pushes->y.total, 0, sizeof pushes->y.total);
     memset(pushes->z.total, 0, sizeof pushes->z.total);
