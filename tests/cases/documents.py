@@ -105,7 +105,8 @@ def options(case, _):
 def shown_scenes(folder):
     """The scenes that the documents show, as files in a folder that has the files they name; parts made whole."""
     paths = []
-    shutil.copytree(c.SOURCE / "scenes/meshes", folder / "meshes")
+    for parts in ("meshes", "rest_states"):
+        shutil.copytree(c.SOURCE / "scenes" / parts, folder / parts)
     for document, text in documents().items():
         for table in code_blocks(text, "csv"):
             (folder / "paddle.csv").write_text(table, encoding="utf-8")
