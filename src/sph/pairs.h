@@ -364,8 +364,10 @@ HC_INLINE void sum_kernels(const hc_sweep *sweep, const hc_record *targets, cons
   add_up(kernels, count);
 }
 
-/* Have rows [first, first + count) of a selection no entries? Says no where they are not one after another. */
-HC_INLINE bool rows_are_empty(const hc_neighbors *list, hc_selection selection, int32_t first, int32_t count) {
+/* Have rows [first, first + count) of a selection no entries? Says no where they are not one after another.
+ */
+HC_INLINE bool rows_are_empty(const hc_neighbors *list, hc_selection selection, int32_t first,
+                              int32_t count) {
   return !(selection.index && selection.of_all) && hc_list_empty(list, first, first + count);
 }
 

@@ -81,14 +81,16 @@ START_TEST(what_is_not_at_rest_is_refused) {
   expect_refused(BLOCK, "is not at rest: its fastest particle moved by 0.1 half spacings");
   faster = 0.0;
   ends = true;
-  expect_refused(BLOCK, "is not periodic along x and reaches from 0 to 0.4 m there, the block from 0 to 0.9 m");
+  expect_refused(BLOCK,
+                 "is not periodic along x and reaches from 0 to 0.4 m there, the block from 0 to 0.9 m");
   ends = false;
 }
 END_TEST
 
 START_TEST(a_period_must_be_a_multiple) {
-  static const char open[] = "domain: {periodic: [true, false, false], min: [0, 0, 0], max: [%g, 0, 0]}\n"
-                             "fluid: {blocks: [{box: {min: [0, 0, 0], max: [%g, 0.4, 0.4]}, rest_state: x}]}\n";
+  static const char open[] =
+      "domain: {periodic: [true, false, false], min: [0, 0, 0], max: [%g, 0, 0]}\n"
+      "fluid: {blocks: [{box: {min: [0, 0, 0], max: [%g, 0.4, 0.4]}, rest_state: x}]}\n";
   char more[512], said[HC_ERROR_TEXT];
   snprintf(more, sizeof more, open, 0.9, 0.9);
   expect_refused(more, "has a period of 0.4 m along x, of which the scene's, 0.9 m, is no multiple");
@@ -137,31 +139,34 @@ START_TEST(images_fill_a_box_and_the_air_around_it) {
   ck_assert_int_gt(air, 21 * 15 * 13 - 18 * 12 * 10); /* two spacings on each side, but for the corners */
   ck_assert_int_lt(air, 22 * 16 * 14 - 18 * 12 * 10);
   /* the same a quarter of an image on, from below the origin, and far from it */
-  ck_assert_int_eq(count_fitted("fluid: {blocks: [{box: {min: [-0.35, 100.1, 0.05], max: [0.55, 100.7, 0.55]}, "
-                                "rest_state: x, rest_offset: [0.1, 0.1, 0.1]}]}\n",
-                                &air),
-                   18 * 12 * 10);
+  ck_assert_int_eq(
+      count_fitted("fluid: {blocks: [{box: {min: [-0.35, 100.1, 0.05], max: [0.55, 100.7, 0.55]}, "
+                   "rest_state: x, rest_offset: [0.1, 0.1, 0.1]}]}\n",
+                   &air),
+      18 * 12 * 10);
 }
 END_TEST
 
 START_TEST(a_period_is_filled_once) {
   int64_t air;
-  ck_assert_int_eq(count_fitted("domain: {periodic: [true, true, true], min: [0, 0, 0], max: [0.8, 0.8, 0.4]}\n"
-                                "fluid: {blocks: [{box: {min: [0, 0, 0], max: [0.8, 0.8, 0.4]}, rest_state: x, "
-                                "rest_offset: [0.02, 0.03, 0.01]}]}\n",
-                                &air),
-                   16 * 16 * 8);
+  ck_assert_int_eq(
+      count_fitted("domain: {periodic: [true, true, true], min: [0, 0, 0], max: [0.8, 0.8, 0.4]}\n"
+                   "fluid: {blocks: [{box: {min: [0, 0, 0], max: [0.8, 0.8, 0.4]}, rest_state: x, "
+                   "rest_offset: [0.02, 0.03, 0.01]}]}\n",
+                   &air),
+      16 * 16 * 8);
   ck_assert_int_eq(air, 0);
 }
 END_TEST
 
 START_TEST(walls_keep_their_room) {
   int64_t air;
-  const int64_t count = count_fitted("boundary:\n  walls:\n"
-                                     "    - {box: {min: [0, 0, 0], max: [0.6, 0.6, 0.6]}, inside: fluid, open: [+z]}\n"
-                                     "    - {box: {min: [0.2, 0.2, 0.2], max: [0.4, 0.4, 0.4]}, inside: solid}\n"
-                                     "fluid: {blocks: [{box: {min: [-1, -1, -1], max: [1, 1, 0.5]}, rest_state: x}]}\n",
-                                     &air);
+  const int64_t count =
+      count_fitted("boundary:\n  walls:\n"
+                   "    - {box: {min: [0, 0, 0], max: [0.6, 0.6, 0.6]}, inside: fluid, open: [+z]}\n"
+                   "    - {box: {min: [0.2, 0.2, 0.2], max: [0.4, 0.4, 0.4]}, inside: solid}\n"
+                   "fluid: {blocks: [{box: {min: [-1, -1, -1], max: [1, 1, 0.5]}, rest_state: x}]}\n",
+                   &air);
   ck_assert_int_eq(count, 12 * 12 * 10 - 4 * 4 * 4);
   ck_assert_int_eq(air, 12 * 12 * 2);
 }
