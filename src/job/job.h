@@ -70,7 +70,6 @@ typedef struct hc_job {
   hc_error problem;     /* rank 0's with the tables, which all learn with the next step or checkpoint */
   hc_job_counts counts;
   int64_t first_step;                      /* the step that this session started from, */
-  double refilled;                         /* s: of the last refill that was told */
   double first_time;                       /* and the time, s */
   double particle_steps;                   /* fluid particles summed over the steps of this session */
   double launched;                         /* wall clock, when the program began, before MPI */

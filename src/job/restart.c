@@ -129,7 +129,6 @@ hc_status hc_job_read_checkpoint(hc_job *job, hc_error *error) {
   hc_simulation_adopt(simulation);
   job->first_step = simulation->step;
   job->first_time = simulation->time;
-  job->refilled = simulation->refilled;
   char newest[HC_TEXT_PATH];
   int64_t step;
   hc_checkpoint_find(job->comm, job->directory, INT64_MAX, newest, &step, error);

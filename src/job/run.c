@@ -148,8 +148,7 @@ static void note_step(void *caller, double dt, hc_tally *tally) {
 /* Blocks that came as the last step began. */
 static void tell_refill(hc_job *job, char *event, size_t size) {
   const hc_simulation *const simulation = &job->simulation;
-  if (simulation->refilled == job->refilled) return;
-  job->refilled = simulation->refilled;
+  if (!simulation->came) return;
   hc_job_log_rest(job);
   snprintf(event + strlen(event), size - strlen(event), "%srefill", event[0] ? "+" : "");
 }

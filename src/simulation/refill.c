@@ -103,10 +103,10 @@ static hc_status fill(hc_simulation *simulation, int number, const hc_fit *fit, 
   return error->status;
 }
 
-hc_status hc_simulation_refill(hc_simulation *simulation, bool *came, hc_error *error) {
+hc_status hc_simulation_refill(hc_simulation *simulation, hc_error *error) {
   const hc_scene *const scene = simulation->scene;
-  *came = false;
-  if (!any_due(simulation)) return HC_OK;
+  simulation->came = any_due(simulation);
+  if (!simulation->came) return HC_OK;
   const int count = hc_scene_surfaces(scene);
   hc_setup_source *const surfaces = hc_alloc_zero((size_t)count, sizeof *surfaces);
   int made = 0;
@@ -122,6 +122,5 @@ hc_status hc_simulation_refill(hc_simulation *simulation, bool *came, hc_error *
   for (int k = 0; k < made; k++) hc_source_free(&surfaces[k]);
   hc_free(surfaces);
   simulation->refilled = simulation->time;
-  *came = true;
   return error->status;
 }

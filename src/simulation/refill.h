@@ -5,8 +5,8 @@
 
 #include "simulation.h"
 
-/* Lets those come that are due at simulation->time; `came`: whether any did. Then the world must be placed
+/* Lets those come that are due at simulation->time. If any did (simulation->came) the world must be placed
  * again. Collective; HC_BAD_INPUT or HC_FAILED, agreed. Before: hc_world_place; lists not built yet. */
-hc_status hc_simulation_refill(hc_simulation *simulation, bool *came, hc_error *error);
+hc_status hc_simulation_refill(hc_simulation *simulation, hc_error *error);
 
 #endif

@@ -99,7 +99,9 @@ hc_status hc_simulation_fit(hc_simulation *simulation, const bool *fresh, double
                               .settings = simulation->solver_settings,
                               .report = &report,
                               .spacing = scene->particle_spacing};
+  pose_walls(simulation, true); /* nothing moves meanwhile */
   hc_rest_fit(&resting, scene, dt, fresh, scene->fluid.block_count, &simulation->rest, error);
+  pose_walls(simulation, false);
   hc_simulation_disturb(simulation);
   return error->status;
 }

@@ -43,6 +43,7 @@ typedef struct hc_simulation {
   hc_population population;
   hc_rest_report rest; /* of the rest states that have come last */
   double refilled;     /* s: blocks that start until then have come */
+  bool came;           /* some came as the last step began */
   bool unsettled;      /* the caller sets it behind prepare: a start may be too dense */
   int64_t capped_at;   /* the last step in which the density solver was at its cap; 0: none */
   double imbalance;    /* largest over mean number of own fluid particles at the start */

@@ -100,9 +100,8 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_simulation_pose_walls(simulation);
   hc_world_place(world);
   if (hc_population_change(&simulation->population, world, simulation->time)) hc_world_place(world);
-  bool came;
-  if (hc_simulation_refill(simulation, &came, error) != HC_OK) return error->status;
-  if (came) hc_world_place(world);
+  if (hc_simulation_refill(simulation, error) != HC_OK) return error->status;
+  if (simulation->came) hc_world_place(world);
   hc_bodies_touch(&simulation->bodies, world);
   double dt = control->ops->when == HC_CONTROL_FROM_STATE ? next_step(simulation) : 0.0;
   const hc_step_report seen = hc_simulation_seen_by_control(simulation);
