@@ -184,7 +184,7 @@ static void start(choice *c) {
   hc_world *const world = c->world;
   hc_particles *const fluid = world->fluid;
   const double itself = share_at(world, 0.0), nearest = NEAREST * 2.0 * (double)world->sweep.wall_offset;
-  size_t room[4] = {0, 0, 0, 0};
+  size_t room[2] = {0, 0};
   for (int32_t i = 0; i < fluid->own; i++) /* who goes is noted there, as all judge on the state before */
     fluid->place[i].scalar = 0.0f;
   for (int32_t row = 0; row < world->listed.end; row++) {
@@ -198,11 +198,9 @@ static void start(choice *c) {
       continue;
     }
     if (it != FRESH || !(walls.any || all.nearest < 1.0)) continue;
-    const size_t kept = (size_t)c->count, wanted = 2 * kept + 64;
-    hc_reserve((void **)&c->candidates, &room[0], kept + 1 > room[0] ? wanted : kept + 1, kept,
-               sizeof *c->candidates);
-    hc_reserve((void **)&c->constant, &room[1], kept + 1 > room[1] ? wanted : kept + 1, kept,
-               sizeof *c->constant);
+    const size_t kept = (size_t)c->count;
+    hc_reserve((void **)&c->candidates, &room[0], kept + 1, kept, sizeof *c->candidates);
+    hc_reserve((void **)&c->constant, &room[1], kept + 1, kept, sizeof *c->constant);
     c->candidates[c->count] = i;
     c->constant[c->count++] = walls.plain + COUNTED * (walls.counted - walls.plain) + all.of[HERE];
   }
@@ -387,6 +385,7 @@ void hc_rest_choose(const hc_resting *resting, const hc_scene_rest *rules, const
   hc_comm_sum_i64(c.world->comm, counts, 2);
   chosen->loaded = counts[0];
   chosen->air = counts[1];
+  c.world->listed = hc_select_range(0, -1); /* the lists' rows go with `near` */
   hc_free(c.near);
   hc_free(c.candidates);
   hc_free(c.constant);
