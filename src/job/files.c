@@ -78,6 +78,7 @@ void hc_job_log_rest(hc_job *job) {
       "%.5f of the rest density in the mean, deviation %.4f; %.3f s",
       (long long)chosen->loaded, (long long)(chosen->loaded - rest->removed), (long long)chosen->candidates,
       (long long)chosen->before, chosen->iterations, chosen->mean, chosen->deviation, rest->choosing);
+  if (rest->relaxed.steps == 0) return;
   hc_log_info(
       &job->log,
       "they came to rest in %d damped steps%s, the fastest at %.3g, the mean at %.3g half spacings a step; "

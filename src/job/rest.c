@@ -4,6 +4,7 @@
 #include "io/rest_file.h"
 #include "particles/ids.h"
 #include "setup/controls.h"
+#include "setup/rest_states.h"
 #include "simulation/simulation.h"
 
 #include <math.h>
@@ -32,6 +33,10 @@ static hc_status check_scene(const hc_scene *scene, hc_error *error) {
   if (scene->body_count > 0 || scene->fluid.emitter_count > 0)
     return hc_error_set(error, HC_BAD_INPUT, "a rest state is made of fluid and walls: %s must be left out",
                         scene->body_count > 0 ? "bodies" : "fluid.emitters");
+  if (hc_setup_has_refills(scene) || scene->fluid.block_count == 0)
+    return hc_error_set(error, HC_BAD_INPUT, "a rest state is made of fluid that is there at the start: %s",
+                        scene->fluid.block_count > 0 ? "fluid.blocks must have no start > 0"
+                                                     : "fluid.blocks must have one");
   return HC_OK;
 }
 

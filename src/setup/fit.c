@@ -59,6 +59,17 @@ static bool within_period(const fitting *f, const int64_t point[3]) {
   return within;
 }
 
+/* Is x nearer to the block than to its next image? Air that is not lies on the other side's fluid or air. */
+static bool is_on_this_side(const fitting *f, const double x[3]) {
+  bool here = true;
+  for (int a = 0; a < 3; a++) {
+    const double half = 0.5 * (double)f->fit->frame->period[a] * f->fit->frame->unit[a],
+                 off = x[a] - f->block->shape.centre[a];
+    here &= half == 0.0 || f->whole[a] || (off >= -half && off < half);
+  }
+  return here;
+}
+
 static void look_at(fitting *f, int64_t k) {
   int64_t point[3];
   double x[3];
@@ -69,7 +80,7 @@ static void look_at(fitting *f, int64_t k) {
   /* a block that ends at a wall reaches behind its surface, where that is allowed */
   const bool fluid = off <= (room + f->fit->distance < 0.0 ? -f->fit->distance : 0.0);
   if (!stays || !fluid) hc_gaps_add(&f->block->gaps, k);
-  if (!stays || fluid) hc_gaps_add(&f->air->gaps, k);
+  if (!stays || fluid || !is_on_this_side(f, x)) hc_gaps_add(&f->air->gaps, k);
 }
 
 /* The points of an image: all, none, or some. */

@@ -38,6 +38,20 @@ static void widen(const hc_frame *frame, const hc_setup_source *sources, int cou
   }
 }
 
+/* Blocks that come later. */
+static void widen_by_refills(const hc_scene *scene, extent *to) {
+  for (int k = 0; k < scene->fluid.block_count; k++) {
+    if (!(scene->fluid.blocks[k].start > 0.0)) continue;
+    const hc_box box = hc_source_block_bounds(&scene->fluid.blocks[k]);
+    extent block;
+    for (int a = 0; a < 3; a++) {
+      block.low[a] = box.min[a];
+      block.high[a] = box.max[a];
+    }
+    merge(&block, to);
+  }
+}
+
 /* Where a moving wall comes to until the end; nowhere if it has no samples. */
 static extent sweep(const hc_scene *scene, const hc_setup_plan *plan, const hc_mover *wall) {
   extent swept = nothing;
@@ -78,6 +92,7 @@ static extent compute(const hc_scene *scene, const hc_setup_plan *plan, const hc
   if (plan->boundary_count == 0) /* none */
     return (extent){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
   widen(&plan->frame, plan->fluid, plan->fluid_sources, &all);
+  widen_by_refills(scene, &all);
   widen(&plan->frame, plan->boundary, plan->boundary_sources, &all);
   widen_by_motions(scene, plan, motions, &all);
   widen_by_emitters(emitters, &all);

@@ -76,6 +76,33 @@ static void set_velocities(const hc_simulation *simulation, const hc_setup_sourc
                         &fluid->velocity[3 * (size_t)i]);
 }
 
+/* Can every rank hold its share of what comes? Agreed. */
+static hc_status check_room(const hc_simulation *simulation, const hc_setup_source *source, hc_error *error) {
+  const hc_comm *const comm = simulation->comm;
+  int64_t first, last;
+  hc_setup_share(hc_source_count(source), comm->rank, comm->size, &first, &last);
+  const int64_t all = simulation->world.fluid->own + last - first;
+  if (all > HC_RECORDS_MOST)
+    hc_error_set(error, HC_FAILED,
+                 "rank %d would hold %lld fluid particles, and %lld are the most: use more ranks", comm->rank,
+                 (long long)all, (long long)HC_RECORDS_MOST);
+  return hc_comm_agree(simulation->comm, error);
+}
+
+/* The control must know how fast they are: of all fluid, as the start does. Collective. */
+static void tell_speed(hc_simulation *simulation) {
+  double square = hc_fastest(simulation->world.fluid);
+  hc_comm_max_f64(simulation->comm, &square, 1);
+  simulation->report.v_max = fmax(simulation->report.v_max, sqrt(square));
+}
+
+/* What went wrong, with the block and the time. */
+static void name_block(const hc_simulation *simulation, int number, hc_error *error) {
+  const hc_error found = *error;
+  hc_error_set(error, found.status, "%s, which comes at %g s: %.4000s", hc_source_block_name(number).text,
+               simulation->time, found.text);
+}
+
 static hc_status fill(hc_simulation *simulation, int number, const hc_fit *fit, hc_error *error) {
   const hc_scene *const scene = simulation->scene;
   hc_world *const world = &simulation->world;
@@ -87,19 +114,22 @@ static hc_status fill(hc_simulation *simulation, int number, const hc_fit *fit, 
     air->kind = HC_ID_AIR;
     hc_setup_fit(fit, source, air);
     if (scene->fluid.blocks[number].replaces) take_out(simulation, source);
-    for (int k = 0; k < 2; k++)
+    for (int k = 0; k < 2 && check_room(simulation, &source[k], error) == HC_OK; k++)
       hc_setup_add(&world->frame, &source[k], world->comm->rank, world->comm->size, world->fluid);
     fresh[number] = true;
     world->fluid_total = world->fluid->own;
     hc_comm_sum_i64(world->comm, &world->fluid_total, 1);
-    hc_simulation_fit(simulation, fresh, simulation->dt > 0.0 ? simulation->dt : hc_setup_calm_step(scene),
-                      error);
-    if (error->status == HC_OK) set_velocities(simulation, source);
+    const double dt = simulation->dt > 0.0 ? simulation->dt : hc_setup_calm_step(scene);
+    if (error->status == HC_OK && hc_simulation_fit(simulation, fresh, dt, error) == HC_OK) {
+      set_velocities(simulation, source);
+      tell_speed(simulation);
+    }
     hc_free(fresh);
     hc_gaps_free(&air->gaps);
   }
   hc_source_free(source);
   hc_free(source);
+  if (error->status != HC_OK) name_block(simulation, number, error);
   return error->status;
 }
 
