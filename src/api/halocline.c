@@ -64,7 +64,7 @@ static hc_status make_run(hc_session *session, const hc_scene_input *input, hc_r
   *run = NULL;
   if (hc_scene_input_read(made->comm, input, &made->scene, NULL, &problem) == HC_OK) {
     if (hc_simulation_init(&made->simulation, made->comm, &made->scene, &problem) == HC_OK) {
-      if (!hc_setup_has_refills(&made->scene)) hc_scene_free_surfaces(&made->scene);
+      hc_setup_free_start(&made->scene);
       *run = made;
     } else {
       hc_scene_free(&made->scene);

@@ -231,6 +231,7 @@ bool hc_rest_file_is(const char *path) {
 }
 
 static void print_json(const char *path, const hc_rest_state *s, const double extent[3], FILE *out) {
+  const double periodic[3] = {s->periodic[0], s->periodic[1], s->periodic[2]};
   hc_json json;
   hc_json_begin(&json, out, true);
   hc_json_object(&json, NULL, HC_JSON_LINES);
@@ -242,6 +243,7 @@ static void print_json(const char *path, const hc_rest_state *s, const double ex
   hc_json_number(&json, "rest_density", s->rest_density);
   hc_json_number(&json, "mass_factor", s->mass_factor);
   hc_json_numbers(&json, "extent", 3, extent);
+  hc_json_numbers(&json, "periodic", 3, periodic);
   hc_json_integer(&json, "particles", s->count);
   hc_json_integer(&json, "steps", s->steps);
   hc_json_number(&json, "density_mean", s->density_mean);

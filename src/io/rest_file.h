@@ -25,7 +25,8 @@ hc_status hc_rest_file_write(hc_comm *comm, const hc_scene *scene, const char *p
 hc_status hc_rest_file_read(const char *path, hc_rest_state **state, hc_error *error);
 
 /* Is the sealed file at `path` a rest state? And what it holds, for people or as a JSON object with the keys
- * file, content and those of the attributes. Local. */
+ * file and, as the attributes, content, solver, particle_spacing, support_radius, rest_density, mass_factor,
+ * extent, periodic, particles, steps, density_mean, density_max, density_deviation, speed_max. Local. */
 bool hc_rest_file_is(const char *path);
 hc_status hc_rest_file_print(const char *path, bool json, FILE *out, hc_error *error);
 

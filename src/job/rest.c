@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* METHODS of the trial: strong damping first, then weak, is at rest in about a hundred steps. */
+/* Steps of strong damping, then of weak; how often fewer particles are tried; and less disorder. */
 enum { STRONG = 40, WEAK = 160, TRIES = 12, HALVINGS = 4 };
 static const double DISORDER = 0.5;    /* spacings: at the start, where the scene has none */
 static const double SLOWEST = 0.002;   /* half spacings a step: at rest none is faster */
@@ -53,18 +53,12 @@ static void thin_out(rest_job *job, double share, int attempt) {
     if (hc_id_counter_of(fluid->id[i]) % every == (attempt * (every / TRIES)) % every) indices[found++] = i;
   if (found) hc_particles_remove(fluid, indices, found);
   hc_free(indices);
-  world->fluid_total = fluid->own;
-  hc_comm_sum_i64(job->comm, &world->fluid_total, 1);
+  hc_world_count_fluid(world);
 }
 
 static hc_status relax(rest_job *job, double damping, int steps, hc_error *error) {
   hc_simulation *const simulation = &job->simulation;
-  const hc_resting resting = {.world = &simulation->world,
-                              .bodies = &simulation->bodies,
-                              .solver = simulation->solver,
-                              .settings = simulation->solver_settings,
-                              .report = &simulation->report,
-                              .spacing = job->scene->particle_spacing};
+  const hc_resting resting = hc_simulation_resting(simulation, &simulation->report);
   const bool compressible = simulation->solver->compressible; /* its steps are so short that all are slow */
   const hc_relaxing how = {.dt = hc_setup_calm_step(job->scene),
                            .steps = steps,

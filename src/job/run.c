@@ -410,7 +410,7 @@ static void run_scene(hc_job *job, hc_scene *scene, hc_error *error) {
   job->gauge_values = hc_alloc((size_t)hc_gauges_columns(job->scene), sizeof *job->gauge_values);
   hc_job_register(job);
   if (fill(job, error) == HC_OK) {
-    if (!hc_setup_has_refills(scene)) hc_scene_free_surfaces(scene);
+    hc_setup_free_start(scene);
     run_with_files(job, error);
     hc_job_close_files(job, error);
   }

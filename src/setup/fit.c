@@ -103,10 +103,19 @@ static void look_at_image(fitting *f, int64_t first, int64_t end, const double m
   }
 }
 
+hc_fit hc_setup_fit_of(const hc_scene *scene, const hc_frame *frame, const hc_setup_source *surfaces) {
+  return (hc_fit){.frame = frame,
+                  .surfaces = surfaces,
+                  .walls = scene->boundary.wall_count,
+                  .bodies = scene->body_count,
+                  .distance = scene->fluid.rest.distance * scene->particle_spacing};
+}
+
 void hc_setup_fit(const hc_fit *fit, hc_setup_source *block, hc_setup_source *air) {
   const hc_sampling *const sampling = &block->sampling;
   const hc_frame *const frame = fit->frame;
-  if (!sampling->tile.at) return;
+  *air = *block;
+  air->kind = HC_ID_AIR;
   fitting f = {.fit = fit, .block = block, .air = air, .margin = frame->support_radius};
   double square = 0.0;
   for (int a = 0; a < 3; a++) {

@@ -14,8 +14,12 @@ typedef struct hc_fit {
   double distance; /* m: from wetted surfaces */
 } hc_fit;
 
-/* Leaves out samples of a block and of its air, which are the same; a block of a lattice has none, and is
- * left alone. Where a periodic axis is filled all around, the block ends as its period does. Local. */
+/* What the scene's rest states keep away from: its surfaces, as their sources say. */
+hc_fit hc_setup_fit_of(const hc_scene *scene, const hc_frame *frame, const hc_setup_source *surfaces);
+
+/* Leaves out samples of a block that is filled by a rest state, and makes its air: the same samples, of which
+ * others are left out. Where a periodic axis is filled all around, the block ends as its period does. Local.
+ */
 void hc_setup_fit(const hc_fit *fit, hc_setup_source *block, hc_setup_source *air);
 
 #endif

@@ -9,19 +9,10 @@
 
 /* Adds the air of blocks that rest states fill, and leaves out what does not fit. */
 static void fit_rest_states(const hc_scene *scene, hc_setup_plan *plan) {
-  const hc_fit fit = {.frame = &plan->frame,
-                      .surfaces = plan->boundary,
-                      .walls = scene->boundary.wall_count,
-                      .bodies = scene->body_count,
-                      .distance = scene->fluid.rest.distance * scene->particle_spacing};
-  for (int number = 0; number < plan->fluid_sources; number++) {
-    hc_setup_source *const block = &plan->fluid[number];
-    if (!block->sampling.tile.at) continue;
-    hc_setup_source *const air = &plan->fluid[plan->fluid_sources + plan->air_sources++];
-    *air = *block;
-    air->kind = HC_ID_AIR;
-    hc_setup_fit(&fit, block, air);
-  }
+  const hc_fit fit = hc_setup_fit_of(scene, &plan->frame, plan->boundary);
+  for (int number = 0; number < plan->fluid_sources; number++)
+    if (plan->fluid[number].sampling.tile.at)
+      hc_setup_fit(&fit, &plan->fluid[number], &plan->fluid[plan->fluid_sources + plan->air_sources++]);
 }
 
 void hc_setup_velocity(const hc_frame *frame, const hc_setup_source *source, const int64_t position[3],

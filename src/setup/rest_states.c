@@ -34,6 +34,10 @@ bool hc_setup_has_refills(const hc_scene *scene) {
   return has(scene, true);
 }
 
+void hc_setup_free_start(hc_scene *scene) {
+  if (!hc_setup_has_refills(scene)) hc_scene_free_surfaces(scene);
+}
+
 /* What rank 0 says of a file before its positions. */
 typedef struct header {
   hc_error error;

@@ -45,8 +45,7 @@ static hc_status make_surfaces(const hc_simulation *simulation, hc_setup_source 
     ++*made;
     if (status != HC_OK) return status;
     const hc_body *const body = hc_bodies_of(&simulation->bodies, *made - 1);
-    if (!body) continue;
-    move_start(frame, body, &source->start);
+    if (body) move_start(frame, body, &source->start);
   }
   return HC_OK;
 }
@@ -110,15 +109,12 @@ static hc_status fill(hc_simulation *simulation, int number, const hc_fit *fit, 
   hc_source_block(&world->frame, &scene->fluid.blocks[number], number, source, error);
   if (error->status == HC_OK) {
     bool *const fresh = hc_alloc_zero((size_t)scene->fluid.block_count, sizeof *fresh);
-    *air = *source;
-    air->kind = HC_ID_AIR;
     hc_setup_fit(fit, source, air);
     if (scene->fluid.blocks[number].replaces) take_out(simulation, source);
     for (int k = 0; k < 2 && check_room(simulation, &source[k], error) == HC_OK; k++)
       hc_setup_add(&world->frame, &source[k], world->comm->rank, world->comm->size, world->fluid);
     fresh[number] = true;
-    world->fluid_total = world->fluid->own;
-    hc_comm_sum_i64(world->comm, &world->fluid_total, 1);
+    hc_world_count_fluid(world);
     const double dt = simulation->dt > 0.0 ? simulation->dt : hc_setup_calm_step(scene);
     if (error->status == HC_OK && hc_simulation_fit(simulation, fresh, dt, error) == HC_OK) {
       set_velocities(simulation, source);
@@ -141,11 +137,7 @@ hc_status hc_simulation_refill(hc_simulation *simulation, hc_error *error) {
   hc_setup_source *const surfaces = hc_alloc_zero((size_t)count, sizeof *surfaces);
   int made = 0;
   if (make_surfaces(simulation, surfaces, &made, error) == HC_OK) {
-    const hc_fit fit = {.frame = &simulation->world.frame,
-                        .surfaces = surfaces,
-                        .walls = scene->boundary.wall_count,
-                        .bodies = scene->body_count,
-                        .distance = scene->fluid.rest.distance * scene->particle_spacing};
+    const hc_fit fit = hc_setup_fit_of(scene, &simulation->world.frame, surfaces);
     for (int k = 0; k < scene->fluid.block_count && error->status == HC_OK; k++)
       if (is_due(simulation, k)) fill(simulation, k, &fit, error);
   }

@@ -56,11 +56,6 @@ static void drop_held(hc_particles *fluid) {
   hc_free(held);
 }
 
-static void count_fluid(hc_world *world) {
-  world->fluid_total = world->fluid->own;
-  hc_comm_sum_i64(world->comm, &world->fluid_total, 1);
-}
-
 /* Damped steps of the candidates, in a world that holds only them and what is near. */
 static hc_status stabilise(const hc_resting *resting, const hc_scene *scene, double dt, const aside *all,
                            hc_rest_report *report, hc_error *error) {
@@ -77,7 +72,7 @@ static hc_status stabilise(const hc_resting *resting, const hc_scene *scene, dou
   hc_particles *const fluid = world->fluid;
   put_back(fluid, all, HC_REST_BEHIND, HC_REST_CANDIDATE);
   hold_others(fluid, all);
-  count_fluid(world);
+  hc_world_count_fluid(world);
   hc_relax(resting, &how, &report->relaxed, error);
   hc_domain_migrate(&world->domain, fluid);
   drop_held(fluid);
@@ -103,7 +98,7 @@ hc_status hc_rest_fit(const hc_resting *resting, const hc_scene *scene, double d
   else
     put_back(world->fluid, &all, HC_REST_CANDIDATE, HC_REST_CANDIDATE);
   put_back(world->fluid, &all, HC_REST_AWAY, HC_REST_BESIDE);
-  count_fluid(world);
+  hc_world_count_fluid(world);
   report->removed = total - report->chosen.air - world->fluid_total;
   report->relaxing = hc_seconds() - chosen;
   hc_free(all.blocks);

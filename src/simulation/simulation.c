@@ -90,15 +90,19 @@ static hc_status settle(hc_simulation *simulation, hc_error *error) {
   return HC_OK;
 }
 
+hc_resting hc_simulation_resting(hc_simulation *simulation, hc_step_report *report) {
+  return (hc_resting){.world = &simulation->world,
+                      .bodies = &simulation->bodies,
+                      .solver = simulation->solver,
+                      .settings = simulation->solver_settings,
+                      .report = report,
+                      .spacing = simulation->scene->particle_spacing};
+}
+
 hc_status hc_simulation_fit(hc_simulation *simulation, const bool *fresh, double dt, hc_error *error) {
   const hc_scene *const scene = simulation->scene;
-  hc_step_report report = simulation->report; /* of the damped steps, which nobody else sees */
-  const hc_resting resting = {.world = &simulation->world,
-                              .bodies = &simulation->bodies,
-                              .solver = simulation->solver,
-                              .settings = simulation->solver_settings,
-                              .report = &report,
-                              .spacing = scene->particle_spacing};
+  hc_step_report report = simulation->report;
+  const hc_resting resting = hc_simulation_resting(simulation, &report);
   pose_walls(simulation, true); /* nothing moves meanwhile */
   hc_rest_fit(&resting, scene, dt, fresh, scene->fluid.block_count, &simulation->rest, error);
   pose_walls(simulation, false);
@@ -118,7 +122,6 @@ static hc_status fit_rest_states(hc_simulation *simulation, hc_error *error) {
   hc_setup_velocities(&simulation->plan, simulation->world.fluid);
   pose_walls(simulation, scene->fluid.settle_steps > 0);
   simulation->dt = dt;
-  simulation->unsettled = true; /* single particles in corners may be too dense */
   hc_world_rebalance(&simulation->world, hc_balance_first_divider(scene), 0.0);
   return HC_OK;
 }
@@ -131,8 +134,7 @@ static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
                     error);
   if (hc_comm_agree(comm, error) != HC_OK) return error->status;
   hc_movers_start(world->moving);
-  pose_walls(simulation,
-             simulation->scene->fluid.settle_steps > 0 || hc_setup_has_rest_states(simulation->scene));
+  pose_walls(simulation, simulation->scene->fluid.settle_steps > 0);
   hc_world_start(world, hc_balance_first_divider(simulation->scene));
   if (hc_setup_has_rest_states(simulation->scene) && fit_rest_states(simulation, error) != HC_OK)
     return error->status;
@@ -179,7 +181,10 @@ static void register_state(hc_simulation *simulation) {
 }
 
 static hc_status check_start(const hc_simulation *simulation, hc_error *error) {
-  if (!simulation->solver->check_start || simulation->unsettled) return HC_OK;
+  /* of rest states single particles in corners may be too dense */
+  if (!simulation->solver->check_start || simulation->unsettled ||
+      hc_setup_has_rest_states(simulation->scene))
+    return HC_OK;
   return simulation->solver->check_start(&simulation->world, simulation->solver_settings, error);
 }
 

@@ -76,6 +76,9 @@ bool hc_simulation_done(const hc_simulation *simulation);
 /* Puts moving walls where they stand at simulation->time; hc_world_place must follow. Collective. */
 void hc_simulation_pose_walls(hc_simulation *simulation);
 
+/* What its damped steps work on, with a report of their own. Local. */
+hc_resting hc_simulation_resting(hc_simulation *simulation, hc_step_report *report);
+
 /* Particles of `fresh` blocks, which have just been put into the fluid's store, fit themselves to what is
  * there, see rest.h; simulation->rest tells. hc_world_place must follow. Collective; HC_FAILED, agreed. */
 hc_status hc_simulation_fit(hc_simulation *simulation, const bool *fresh, double dt, hc_error *error);

@@ -18,7 +18,7 @@ typedef struct hc_rest_state {
   double density_mean, density_max, density_deviation; /* of the rest density */
   double speed_max;                                    /* half spacings a step, of the last step */
   int64_t steps;                                       /* damped ones that made it */
-  uint64_t checksum;                                   /* of the file */
+  uint64_t checksum;                                   /* of positions and extents */
 } hc_rest_state;
 
 void hc_rest_state_free(hc_rest_state *state); /* made with hc_alloc, positions too */

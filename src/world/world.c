@@ -188,6 +188,11 @@ void hc_world_distribute(hc_world *world, hc_divider divider) {
   hc_world_rebalance(world, divider, 0.0);
 }
 
+void hc_world_count_fluid(hc_world *world) {
+  world->fluid_total = world->fluid->own;
+  hc_comm_sum_i64(world->comm, &world->fluid_total, 1);
+}
+
 void hc_world_start(hc_world *world, hc_divider divider) {
   hc_world_distribute(world, divider);
   measure_boundary(world, HC_STORE_BOUNDARY);

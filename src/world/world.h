@@ -90,6 +90,9 @@ void hc_world_free(hc_world *world);
  * boundary particles in their cells; call hc_world_update. Collective. */
 void hc_world_distribute(hc_world *world, hc_divider divider);
 
+/* Finds fluid_total, where particles have come or gone. Collective. */
+void hc_world_count_fluid(hc_world *world);
+
 /* Start of a run: as hc_world_distribute, and the volumes that boundary particles keep from then on, from
  * where they are now: of the walls that stand still together, of each moving wall by itself (Akinci et al.
  * 2012: a rigid body's own samples). Collective. */
