@@ -108,6 +108,7 @@ void hc_domain_balance(hc_domain *domain, hc_divider divider, const hc_work *wor
     divide_by_slabs(domain, own.bits, loads, count, &own);
   hc_free(loads);
   share_map(domain, &own);
+  domain->divisions++;
   domain->partners.known = domain->partners.agreed = false;
   if (division) *division = own;
 }

@@ -18,6 +18,7 @@ typedef struct hc_domain {
   hc_comm *comm;
   const hc_frame *frame;
   hc_map map;
+  int64_t divisions;    /* how often the world has been divided */
   hc_partners partners; /* of one store's particles */
 } hc_domain;
 

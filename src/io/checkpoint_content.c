@@ -12,14 +12,25 @@ enum {
   SLICE = 1 << 24  /* rows of one transfer: below the 2 GiB of one MPI call */
 };
 
-/* The group of a store, and the attribute that counts its rows. */
-static const char *group_of(const hc_particles *store) {
-  return store->kind == HC_FLUID ? "fluid" : store->kind & HC_MOVED ? "moving" : "boundary";
+/* What a store is called: its group, and the attribute that counts its rows. */
+typedef struct store_name {
+  unsigned kind;
+  const char *group, *count;
+} store_name;
+
+static const store_name *name_of(const hc_particles *store) {
+  static const store_name names[] = {{HC_FLUID, "fluid", "fluid_particles"},
+                                     {HC_BOUNDARY, "boundary", "standing_particles"},
+                                     {HC_BOUNDARY | HC_MOVED, "moving", "moving_particles"},
+                                     {HC_INFLOW, "inflow", "inflow_places"},
+                                     {HC_WINDOW, "window", "window_places"}};
+  const store_name *name = names;
+  while (name->kind != store->kind) name++;
+  return name;
 }
-static const char *count_of(const hc_particles *store) {
-  return store->kind == HC_FLUID  ? "fluid_particles"
-         : store->kind & HC_MOVED ? "moving_particles"
-                                  : "standing_particles";
+
+static bool holds_particles(const hc_particles *store) {
+  return !(store->kind & HC_PLACES);
 }
 
 /* The place of a store among those of the state. */
@@ -139,14 +150,14 @@ static void put_own(const hc_checkpoint_content *content, hid_t file, hc_error *
   const int64_t ranks = content->comm->size;
   int64_t fluid = 0, all = 0;
   for (int k = 0; k < state->store_count; k++) {
-    all += content->total[k];
+    if (holds_particles(state->stores[k])) all += content->total[k];
     if (state->stores[k]->kind == HC_FLUID) fluid = content->total[k];
   }
   int fields[HC_FIELD_COUNT], count = 0;
   hc_facts_put(own, content->scene, content->moment, fluid, all - fluid, problem);
   for (int k = 0; k < state->store_count; k++)
     if (state->stores[k]->kind != HC_FLUID)
-      hc_h5_put_i64(own, count_of(state->stores[k]), 1, &content->total[k], problem);
+      hc_h5_put_i64(own, name_of(state->stores[k])->count, 1, &content->total[k], problem);
   for (int field = 0; field < HC_FIELD_COUNT; field++) {
     bool there = false;
     for (int k = 0; k < state->store_count; k++) there |= state->stores[k]->data[field] != NULL;
@@ -168,10 +179,9 @@ void hc_checkpoint_content_write(const hc_checkpoint_content *content, hid_t fil
   hc_state_visit(state, 0, &(hc_state_visitor){.context = &out, .item = put_item});
   hc_h5_close_group(out.group[0], problem);
   for (int k = 0; k < state->store_count; k++)
-    out.group[k] = hc_h5_create_group(file, group_of(state->stores[k]), problem);
+    out.group[k] = hc_h5_create_group(file, name_of(state->stores[k])->group, problem);
   if (hc_comm_agree(content->comm, problem) == HC_OK)
-    hc_state_visit(state, HC_FLUID | HC_BOUNDARY | HC_MOVED,
-                   &(hc_state_visitor){.context = &out, .field = put_field});
+    hc_state_visit(state, ~0u, &(hc_state_visitor){.context = &out, .field = put_field});
   for (int k = 0; k < state->store_count; k++) hc_h5_close_group(out.group[k], problem);
 }
 
@@ -271,16 +281,15 @@ static void read_all(hc_comm *comm, hid_t file, hc_state *state, hc_error *probl
   transfer in = {.state = state, .total = total, .first = first, .problem = problem};
   const hid_t own = H5Gopen2(file, "Halocline", H5P_DEFAULT);
   for (int k = 0; k < state->store_count; k++)
-    hc_h5_get(own, count_of(state->stores[k]), H5T_NATIVE_INT64, 1, &total[k], problem);
+    hc_h5_get(own, name_of(state->stores[k])->count, H5T_NATIVE_INT64, 1, &total[k], problem);
   if (own >= 0) H5Gclose(own);
   in.group[0] = H5Gopen2(file, "state", H5P_DEFAULT);
   hc_state_visit(state, 0, &(hc_state_visitor){.context = &in, .item = get_item});
   if (in.group[0] >= 0) H5Gclose(in.group[0]);
   if (problem->status == HC_OK && share_rows(comm, total, state, first, problem) == HC_OK) {
     for (int k = 0; k < state->store_count; k++)
-      in.group[k] = H5Gopen2(file, group_of(state->stores[k]), H5P_DEFAULT);
-    hc_state_visit(state, HC_FLUID | HC_BOUNDARY | HC_MOVED,
-                   &(hc_state_visitor){.context = &in, .field = get_field});
+      in.group[k] = H5Gopen2(file, name_of(state->stores[k])->group, H5P_DEFAULT);
+    hc_state_visit(state, ~0u, &(hc_state_visitor){.context = &in, .field = get_field});
     for (int k = 0; k < state->store_count; k++)
       if (in.group[k] >= 0) H5Gclose(in.group[k]);
   }

@@ -8,6 +8,7 @@
 #include "io/timings.h"
 #include "job.h"
 #include "scene/writer.h"
+#include "setup/absorptions.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -267,7 +268,13 @@ hc_status hc_job_summarize(hc_job *job, hc_error *error) {
                 hc_prescribed_emitter_name(k).text, (long long)emitter->emitted, (long long)emitter->layers,
                 (long long)emitter->blocked);
   }
-  int64_t digest = (int64_t)hc_state_digest_particles(&simulation->state, HC_FLUID | HC_BOUNDARY | HC_MOVED);
+  for (int k = 0; k < simulation->population.absorption.count; k++) {
+    const hc_absorber *absorber = &simulation->population.absorption.absorbers[k];
+    hc_log_info(&job->log, "%s: %lld places; %lld particles came in, %lld went out",
+                hc_setup_absorption_name(job->scene, k).text, (long long)absorber->places,
+                (long long)absorber->came, (long long)absorber->went);
+  }
+  int64_t digest = (int64_t)hc_state_digest_particles(&simulation->state, ~0u);
   hc_comm_sum_i64(job->comm, &digest, 1);
   hc_log_info(&job->log, "digest of the last state, the same on any number of ranks: %016llx",
               (unsigned long long)((uint64_t)digest + hc_state_digest_items(&simulation->state)));

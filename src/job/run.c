@@ -185,6 +185,16 @@ static void tell_blocked(hc_job *job, char *event, size_t size) {
            (long long)simulation->population.blocked);
 }
 
+/* What came in and went out in front of walls that absorb. */
+static void tell_absorbed(const hc_population *population, char *event, size_t size) {
+  if (population->came > 0)
+    snprintf(event + strlen(event), size - strlen(event), "%sinflow:%lld", event[0] ? "+" : "",
+             (long long)population->came);
+  if (population->went > 0)
+    snprintf(event + strlen(event), size - strlen(event), "%soutflow:%lld", event[0] ? "+" : "",
+             (long long)population->went);
+}
+
 /* Counts and logs what went wrong in a step; the event words of its row. */
 static void judge_step(hc_job *job, char *event, size_t size) {
   const hc_simulation *simulation = &job->simulation;
@@ -223,6 +233,7 @@ static void judge_step(hc_job *job, char *event, size_t size) {
     snprintf(event + strlen(event), size - strlen(event), "%srollback:%lld", event[0] ? "+" : "",
              (long long)simulation->control.before);
   tell_blocked(job, event, size);
+  tell_absorbed(&simulation->population, event, size);
   if (job->counts.shortest_step == 0.0 || simulation->dt < job->counts.shortest_step)
     job->counts.shortest_step = simulation->dt;
   if (simulation->dt > job->counts.longest_step) job->counts.longest_step = simulation->dt;
@@ -285,7 +296,7 @@ static hc_status step_and_report(hc_job *job, done *done, hc_error *error) {
                         (long long)simulation->step, (long long)job->load.fluid,
                         (long long)simulation->world.fluid_total);
   job->particle_steps += (double)job->load.fluid;
-  char event[128];
+  char event[256];
   judge_step(job, event, sizeof event);
   hc_explain_time_step(&job->explained, simulation, &job->log);
   if (hc_balance_divided_in(&simulation->balance, simulation->step)) tell_rebalance(job);

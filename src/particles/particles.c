@@ -34,7 +34,8 @@ static size_t extent(const hc_particles *particles, int field) {
 }
 
 void hc_particles_init(hc_particles *particles, unsigned kind, unsigned features) {
-  HC_CHECK(kind == HC_FLUID || kind == HC_BOUNDARY || kind == (HC_BOUNDARY | HC_MOVED),
+  HC_CHECK(kind == HC_FLUID || kind == HC_BOUNDARY || kind == (HC_BOUNDARY | HC_MOVED) || kind == HC_INFLOW ||
+               kind == HC_WINDOW,
            "a store holds one kind, got %u", kind);
   memset(particles, 0, sizeof *particles);
   particles->kind = kind;

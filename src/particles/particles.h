@@ -43,7 +43,10 @@ enum {
   HC_CARRIED = 16,
   HC_STATE = 32 | HC_CARRIED,
   HC_SNAPSHOT = 64,
-  HC_DRIFTING = 128
+  HC_DRIFTING = 128,
+  HC_INFLOW = 256, /* places where particles may come in (sources/absorption.h) */
+  HC_WINDOW = 512, /* places of the fluid with which a window is filled (simulation/displace.h) */
+  HC_PLACES = HC_INFLOW | HC_WINDOW
 };
 
 /* What a run does with its particles, as far as fields depend on it. */
@@ -101,7 +104,8 @@ enum { HC_SPARE = 16 };
 #define HC_RECORDS_MOST ((int64_t)UINT32_MAX / (int64_t)sizeof(hc_record) - 64)
 
 typedef struct hc_particles {
-  unsigned kind;     /* which fields there are: HC_FLUID, HC_BOUNDARY, or HC_BOUNDARY | HC_MOVED */
+  unsigned
+      kind; /* which fields there are: HC_FLUID, HC_BOUNDARY, HC_BOUNDARY | HC_MOVED, or one of HC_PLACES */
   unsigned features; /* HC_FOR_*, of the run */
   int32_t border, own, ghosts;
   union {

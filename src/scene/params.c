@@ -235,6 +235,15 @@ static const hc_param_table body_table = {TABLE(body_rows), .variants = block_fo
                                           .variant_offset = offsetof(hc_scene_body, surface.form)};
 #undef OWNER
 
+#define OWNER hc_scene_absorption
+#define HC_ABSORPTION_PARAMS
+static const hc_param absorption_rows[] = {
+#include "params.def"
+};
+static const hc_param_table absorption_table = {TABLE(absorption_rows)};
+#undef HC_ABSORPTION_PARAMS
+#undef OWNER
+
 #define OWNER hc_scene_gauge
 #define HC_GAUGE_PARAMS
 static const hc_param gauge_rows[] = {

@@ -390,6 +390,27 @@ static void check_gauged_body(const hc_scene *scene, const hc_scene_gauge *gauge
                       gauge->body, body->mooring_count, gauge->mooring);
 }
 
+static void check_absorption(const hc_scene *scene, const hc_scene_absorption *absorption,
+                             const hc_given *given, hc_complaints *complaints) {
+  const double *const g = scene->gravity;
+  if (g[0] == 0.0 && g[1] == 0.0 && g[2] == 0.0 && !hc_given_is_bad(given, "ocean_height"))
+    hc_complaints_add(complaints, hc_given_place_of(given, "ocean_height"),
+                      "%socean_height must not be given without gravity, which says where up is",
+                      given->prefix);
+  if (hc_given_is_bad(given, "wall") || !hc_given_has(given, "wall")) return;
+  const hc_wall *wall = NULL;
+  for (int k = 0; k < scene->boundary.wall_count; k++)
+    if (strcmp(scene->boundary.walls[k].name, absorption->wall) == 0) wall = &scene->boundary.walls[k];
+  if (!wall)
+    hc_complaints_add(complaints, hc_given_place_of(given, "wall"),
+                      "%swall must be the name of a wall of the scene, not '%s'", given->prefix,
+                      absorption->wall);
+  else if (wall->motion.type != HC_WALL_STANDS)
+    hc_complaints_add(complaints, hc_given_place_of(given, "wall"),
+                      "%swall must be one that stands still, not '%s', which has a motion", given->prefix,
+                      absorption->wall);
+}
+
 static void check_gauge(hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
   hc_scene_gauge *gauge = &scene->output.gauges[index];
   if (!hc_given_is_bad(given, "at")) complete_point(scene, gauge, given, complaints);
@@ -474,6 +495,10 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
   check_surface_names(scene, given, complaints);
   complete_viscosity(scene, given, complaints);
   complete_friction(scene, given, complaints);
+  const hc_given_value *absorptions = hc_given_value_of(given, "absorption");
+  for (int k = 0; k < absorptions->item_count; k++)
+    if (!absorptions->items[k].bad)
+      check_absorption(scene, &scene->absorptions[k], &absorptions->items[k], complaints);
   const hc_given_value *gauges = hc_given_value_of(given, "output.gauges");
   for (int k = 0; k < gauges->item_count; k++)
     if (!gauges->items[k].bad) check_gauge(scene, k, &gauges->items[k], complaints);

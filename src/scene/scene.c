@@ -40,6 +40,7 @@ void hc_scene_free(hc_scene *scene) {
   hc_free(scene->fluid.emitters);
   hc_free(scene->boundary.walls);
   hc_free(scene->bodies);
+  hc_free(scene->absorptions);
   hc_free(scene->output.gauges);
   memset(scene, 0, sizeof *scene);
 }

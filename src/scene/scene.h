@@ -211,6 +211,7 @@ typedef struct hc_wall {
   double normal[3]; /* plane: into the fluid; unit length after reading */
   double size[2];   /* plane: edge lengths along its two tangents */
   hc_wall_motion motion;
+  double surface_velocity[3]; /* m/s: of a current along it, for what absorption lets in */
   hc_scene_friction friction_law;
   double roughness; /* rough: k_s, m */
 } hc_wall;
@@ -263,6 +264,16 @@ typedef struct hc_scene_body {
   hc_scene_mooring *moorings;
   int mooring_count;
 } hc_scene_body;
+
+/* A wall in front of which water comes in and goes out, so that waves are taken up: Carensac et al. 2023,
+ * section 4.2. */
+typedef struct hc_scene_absorption {
+  char wall[HC_NAME_LENGTH]; /* of boundary.walls */
+  double ocean_height;       /* m: of the water outside, against gravity from the scene's origin */
+  double inflow_distance;    /* half spacings: a place with fluid nearer is taken */
+  double inflow_density;     /* of the rest density: what a particle there may come to; 0: none comes in */
+  double outflow_distance;   /* support radii: what is higher than the ocean and nearer goes; 0: none */
+} hc_scene_absorption;
 
 typedef enum hc_gauge_type {
   HC_GAUGE_HEIGHT,
@@ -406,6 +417,9 @@ typedef struct hc_scene {
 
   hc_scene_body *bodies;
   int body_count;
+
+  hc_scene_absorption *absorptions;
+  int absorption_count;
 
   struct {
     hc_solver_method method;

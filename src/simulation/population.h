@@ -1,11 +1,12 @@
 /* Births and deaths of fluid particles: what leaves the world (setup/limits.h) and is taken out, what
- * emitters bring in. All are judged on the particles as they are placed before any change, then applied
- * together. */
+ * emitters bring in, what walls absorb and let in. All are judged on the particles as they are placed before
+ * any change, then applied together. */
 #ifndef HC_POPULATION_H
 #define HC_POPULATION_H
 
 #include "setup/limits.h"
 #include "solver/fault.h"
+#include "sources/absorption.h"
 #include "sources/emitters.h"
 
 enum { HC_LEAVING_NAMED = 10 };
@@ -30,9 +31,11 @@ typedef struct hc_population {
   double beyond_time;
   bool counted; /* if this is set */
   hc_emitters emitters;
+  hc_absorption absorption;
   /* as the last step began: */
   hc_departures departures;
   int64_t emitted, blocked; /* particles that emitters brought in, and left out */
+  int64_t came, went;       /* that walls let in, and took out */
 } hc_population;
 
 void hc_population_free(hc_population *population);
@@ -43,10 +46,11 @@ void hc_population_register(hc_population *population, hc_state *state);
 /* The largest speed that comes in between a time and `ahead` later, m/s. Local. */
 double hc_population_speed(const hc_population *population, double time, double ahead);
 
-/* Lets leave and come in what is due at a time, behind hc_world_place. True, on every rank, if any particle
- * did: then place the world again; lists must not have been built. Collective: some reductions where a layer
- * is due, and one where leaving is looked for and has not been counted for this time. */
-bool hc_population_change(hc_population *population, hc_world *world, double time);
+/* Lets leave and come in what is due at a time, behind hc_world_place; `absorb`: walls may, too. True, on
+ * every rank, if any particle did: then place the world again; lists must not have been built. Collective:
+ * some reductions where a layer is due, one where walls absorb, and one where leaving is looked for and has
+ * not been counted for this time. */
+bool hc_population_change(hc_population *population, hc_world *world, double time, bool absorb);
 
 /* Behind the step that leads to `time`: takes note of own particles beyond the limits, as faults, or in the
  * tally where they are to be removed. Local. */

@@ -36,7 +36,7 @@ static void walls_swap(const hc_state *state, int back) {
 void hc_rollback_remember(hc_rollback *rollback, const hc_state *state) {
   if (rollback->most == 0) return;
   if (rollback->most == 1) hc_state_history_forget(&rollback->history);
-  hc_state_history_push(&rollback->history, state, HC_FLUID);
+  hc_state_history_push(&rollback->history, state, HC_FLUID | HC_INFLOW);
   walls_remember(state);
 }
 
@@ -52,7 +52,7 @@ int hc_rollback_return(hc_rollback *rollback, hc_state *state) {
 bool hc_rollback_show_resumable(hc_rollback *rollback, hc_state *state, hc_state_copy *now) {
   const hc_state_copy *begin = hc_state_history_get(&rollback->history, 0);
   if (!begin || rollback->most < 2) return false;
-  hc_state_remember(now, state, HC_FLUID);
+  hc_state_remember(now, state, HC_FLUID | HC_INFLOW);
   hc_state_restore(begin, state);
   walls_swap(state, 0);
   return true;

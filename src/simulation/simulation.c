@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "footprint.h"
 #include "particles/ids.h"
+#include "setup/absorptions.h"
 #include "setup/bodies.h"
 #include "setup/controls.h"
 #include "setup/rest_lattice.h"
@@ -141,16 +142,24 @@ static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   if (simulation->scene->fluid.settle_steps > 0 && settle(simulation, error) != HC_OK) return error->status;
   hc_world_update(world);
   hc_bodies_touch(&simulation->bodies, world);
+  hc_absorption_start(&simulation->population.absorption, world);
   hc_setup_plan_free(&simulation->plan);
   return HC_OK;
 }
 
 hc_particle_name hc_simulation_particle_name(const hc_scene *scene, int64_t id) {
   hc_particle_name name;
-  const int64_t source = hc_id_source_of((uint64_t)id), blocks = scene->fluid.block_count;
-  snprintf(name.text, sizeof name.text, "%lld (number %lld of fluid.%s[%lld])", (long long)id,
-           (long long)hc_id_counter_of((uint64_t)id), source < blocks ? "blocks" : "emitters",
-           (long long)(source < blocks ? source : source - blocks));
+  const struct {
+    const char *name;
+    int count;
+  } kinds[] = {{"fluid.blocks", scene->fluid.block_count},
+               {"fluid.emitters", scene->fluid.emitter_count},
+               {"absorption", scene->absorption_count}};
+  int64_t source = hc_id_source_of((uint64_t)id);
+  int kind = 0;
+  while (kind < 2 && source >= kinds[kind].count) source -= kinds[kind++].count;
+  snprintf(name.text, sizeof name.text, "%lld (number %lld of %s[%lld])", (long long)id,
+           (long long)hc_id_counter_of((uint64_t)id), kinds[kind].name, (long long)source);
   return name;
 }
 
@@ -196,7 +205,8 @@ static hc_status plan_particles(hc_simulation *simulation, hc_error *error) {
           HC_OK &&
       hc_setup_plan_make(simulation->comm, scene, &simulation->world.frame, plan, error) == HC_OK &&
       hc_setup_limits(scene, plan, &simulation->population.emitters, &simulation->population.limits, error) ==
-          HC_OK)
+          HC_OK &&
+      hc_setup_absorption(scene, plan, &simulation->population.absorption, error) == HC_OK)
     check_memory(simulation->comm, scene, plan, error);
   if (hc_comm_agree(simulation->comm, error) != HC_OK) return error->status;
   simulation->movers = hc_prescribed_movers_make(scene, plan);
@@ -262,6 +272,7 @@ void hc_simulation_adopt(hc_simulation *simulation) {
   hc_world_distribute(world, hc_balance_first_divider(simulation->scene));
   hc_world_update(world);
   hc_bodies_touch(&simulation->bodies, world);
+  hc_absorption_count(&simulation->population.absorption, world);
   simulation->imbalance = hc_domain_imbalance(&world->domain, world->fluid);
   hc_balance_go_on(&simulation->balance, simulation->step);
   hc_setup_plan_free(&simulation->plan);
@@ -315,6 +326,7 @@ hc_moment hc_simulation_moment(const hc_simulation *simulation) {
 void hc_simulation_disturb(hc_simulation *simulation) {
   hc_domain_forget_partners(&simulation->world.domain);
   simulation->population.counted = false;
+  simulation->population.absorption.places.moved = true;
 }
 
 void hc_simulation_show_resumable(hc_simulation *simulation, hc_state_copy *now) {

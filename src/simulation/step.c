@@ -99,7 +99,7 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_balance_start(&simulation->balance, simulation->comm);
   hc_simulation_pose_walls(simulation);
   hc_world_place(world);
-  if (hc_population_change(&simulation->population, world, simulation->time)) hc_world_place(world);
+  if (hc_population_change(&simulation->population, world, simulation->time, true)) hc_world_place(world);
   if (hc_simulation_refill(simulation, error) != HC_OK) return error->status;
   if (simulation->came) hc_world_place(world);
   hc_bodies_touch(&simulation->bodies, world);

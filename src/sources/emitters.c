@@ -1,6 +1,6 @@
 #include "emitters.h"
 
-#include "base/check.h"
+#include "arrivals.h"
 #include "base/memory.h"
 #include "particles/ids.h"
 
@@ -105,50 +105,13 @@ void hc_emitters_register(hc_emitters *emitters, hc_state *state) {
 
 /* ---- release ---- */
 
-/* A particle that comes in. */
-typedef struct arrival {
-  uint64_t id;
-  int64_t x[3];
-  double velocity[3];
-} arrival;
-
 /* One release: what all its layers share. */
 typedef struct release {
   const hc_domain *domain;
   const hc_cells *cells;
   const hc_particles *fluid;
-  arrival *arrivals; /* of this rank */
-  size_t count, room;
+  hc_arrivals arrivals; /* of this rank */
 } release;
-
-static bool is_near(const release *r, int32_t particle, const int64_t x[3], double clearance) {
-  const int32_t *other = r->fluid->place[particle].x;
-  double square = 0.0;
-  for (int a = 0; a < 3; a++) {
-    const double d =
-        (double)(int32_t)((uint32_t)(uint64_t)x[a] - (uint32_t)other[a]) * r->domain->frame->unit[a];
-    square += d * d;
-  }
-  return square < clearance * clearance;
-}
-
-/* Is there a fluid particle, own or ghost, closer to the place? */
-static bool is_blocked(const release *r, const int64_t x[3], double clearance) {
-  hc_brick brick;
-  int32_t adjacent[HC_ADJACENT];
-  const int cell = hc_cell_of(x, &brick);
-  if (!hc_brick_set_around(&r->cells->bricks, brick, adjacent)) return false;
-  for (int way = 0; way < HC_ADJACENT; way++) {
-    int there;
-    const int32_t found = hc_cells_next(adjacent, cell, way, &there);
-    if (found < 0) continue;
-    if (r->cells->count[found][there] == 0) continue;
-    const int32_t begin = r->cells->begin[found][there], end = begin + r->cells->count[found][there];
-    for (int32_t k = begin; k < end; k++)
-      if (is_near(r, k, x, clearance)) return true;
-  }
-  return false;
-}
 
 /* What becomes of a sample on this rank. */
 typedef enum verdict { ELSEWHERE, BLOCKED, FREE } verdict;
@@ -164,7 +127,7 @@ static verdict judge(const release *r, const hc_emitter *emitter, int64_t sample
     cell[a] = hc_frame_cell(x[a]);
   }
   if (hc_domain_owner(r->domain, cell) != r->domain->comm->rank) return ELSEWHERE;
-  return is_blocked(r, x, emitter->clearance) ? BLOCKED : FREE;
+  return hc_arrivals_blocked(frame, r->cells, r->fluid, x, emitter->clearance) ? BLOCKED : FREE;
 }
 
 /* How many of the layer's free samples may come in: those up to the limit, in the order of the layer. Returns
@@ -180,14 +143,11 @@ static int64_t last_place(const release *r, const hc_emitter *emitter, const int
 }
 
 static void add(release *r, const hc_emitter *emitter, int64_t sample, const int64_t x[3]) {
-  hc_reserve((void **)&r->arrivals, &r->room, 2 * r->count + 64, r->count, sizeof *r->arrivals);
-  arrival *to = &r->arrivals[r->count++];
-  to->id =
-      hc_id_make(HC_ID_FLUID, emitter->source, (uint64_t)(emitter->layers * emitter->sample_count + sample));
-  for (int a = 0; a < 3; a++) {
-    to->x[a] = x[a];
-    to->velocity[a] = emitter->speed * emitter->shape.axes[2][a];
-  }
+  hc_arrival *const to = hc_arrivals_add(
+      &r->arrivals,
+      hc_id_make(HC_ID_FLUID, emitter->source, (uint64_t)(emitter->layers * emitter->sample_count + sample)),
+      x);
+  for (int a = 0; a < 3; a++) to->velocity[a] = emitter->speed * emitter->shape.axes[2][a];
 }
 
 /* Brings in the next layer of an emitter. Collective. */
@@ -215,19 +175,6 @@ static void release_layer(release *r, hc_emitter *emitter, double time) {
   hc_free(free_samples);
 }
 
-static void append(hc_particles *fluid, const arrival *arrivals, size_t count) {
-  const int32_t first = fluid->own;
-  HC_CHECK(count < (size_t)(INT32_MAX - first), "a rank cannot hold %zu particles more than %d", count,
-           first);
-  hc_particles_resize(fluid, first + (int32_t)count);
-  for (size_t k = 0; k < count; k++) {
-    const size_t i = (size_t)first + k;
-    fluid->id[i] = arrivals[k].id;
-    memcpy(&fluid->position[3 * i], arrivals[k].x, sizeof arrivals[k].x);
-    memcpy(&fluid->velocity[3 * i], arrivals[k].velocity, sizeof arrivals[k].velocity);
-  }
-}
-
 int64_t hc_emitters_release(hc_emitters *emitters, const hc_domain *domain, const hc_cells *cells,
                             hc_particles *fluid, double time) {
   if (!hc_emitters_due(emitters, time)) return 0;
@@ -239,7 +186,7 @@ int64_t hc_emitters_release(hc_emitters *emitters, const hc_domain *domain, cons
     while (is_due(emitter, time)) release_layer(&r, emitter, time);
     added += emitter->emitted - before;
   }
-  if (added > 0) append(fluid, r.arrivals, r.count);
-  hc_free(r.arrivals);
+  if (added > 0) hc_arrivals_append(&r.arrivals, fluid);
+  hc_arrivals_free(&r.arrivals);
   return added;
 }

@@ -37,7 +37,8 @@ void hc_state_free(hc_state *state);
 /* Adds a store, which must stay where it is as long as the state lives. Local. */
 void hc_state_add_store(hc_state *state, hc_particles *store);
 
-/* Is the store of a sort that `kinds` names: HC_FLUID, HC_BOUNDARY (walls that stand still), HC_MOVED? */
+/* Is the store of a sort that `kinds` names: HC_FLUID, HC_BOUNDARY (walls that stand still), HC_MOVED,
+ * HC_INFLOW, HC_WINDOW? */
 bool hc_state_names(unsigned kinds, const hc_particles *store);
 
 /* Registers an item, which must stay where it is as long as the state lives. Names are unique. Local. */

@@ -110,6 +110,9 @@ static void expect_same(const hc_scene *a, const hc_scene *b) {
   ck_assert_int_eq(a->output.gauge_count, b->output.gauge_count);
   const size_t gauge_bytes = (size_t)a->output.gauge_count * sizeof *a->output.gauges;
   if (gauge_bytes) ck_assert_mem_eq(a->output.gauges, b->output.gauges, gauge_bytes);
+  ck_assert_int_eq(a->absorption_count, b->absorption_count);
+  const size_t absorption_bytes = (size_t)a->absorption_count * sizeof *a->absorptions;
+  if (absorption_bytes) ck_assert_mem_eq(a->absorptions, b->absorptions, absorption_bytes);
   ck_assert_int_eq(a->body_count, b->body_count);
   for (int k = 0; k < a->body_count; k++) expect_same_body(&a->bodies[k], &b->bodies[k]);
   hc_scene left, right;
@@ -119,6 +122,7 @@ static void expect_same(const hc_scene *a, const hc_scene *b) {
   left.fluid.emitters = right.fluid.emitters = NULL;
   left.boundary.walls = right.boundary.walls = NULL;
   left.bodies = right.bodies = NULL;
+  left.absorptions = right.absorptions = NULL;
   left.output.gauges = right.output.gauges = NULL;
   ck_assert_mem_eq(&left, &right, sizeof left);
 }
@@ -183,7 +187,7 @@ static const char full[] =
     "  volume_factor: 0.72\n"
     "  walls:\n"
     "  - {box: {min: [0, 0, 0], max: [2, 1, 1]}, open: [+z, -x]}\n"
-    "  - {name: post, box: {min: [1, 0, 0], max: [1.1, 1, 1]}, inside: solid}\n"
+    "  - {name: post, box: {min: [1, 0, 0], max: [1.1, 1, 1]}, inside: solid, surface_velocity: [1, 0, -2]}\n"
     "  - plane: {point: [1, 2, 3], normal: [3, 0, -4], size: [5, 6]}\n"
     "  - plane: {point: [1, 2, 3], normal: [1e200, 1e200, 1e-200], size: [5, 6]}\n"
     "  - {cylinder: {base: [1, 2, 3], radius: 0.5, length: 2}, open: [top], inside: solid}\n"
@@ -202,6 +206,8 @@ static const char full[] =
     "      interpolation: smooth\n"
     "      center: [1, 1, 1]\n"
     "      points: [{time: 0}, {time: 0.5, shift: [1, 2, 3]}, {time: 0.75, angle: -30}]\n"
+    "absorption:\n"
+    "- {wall: post, ocean_height: 0.7, inflow_distance: 1, inflow_density: 0, outflow_distance: 2}\n"
     "solver: {density_error_avg: 2e-5, divergence_error: 3e-4, density_iterations: {min: 4, max: 4},\n"
     "  divergence_iterations: {min: 0, max: 1}, warm_start: 1, min_divergence_neighbors: 0,\n"
     "  negative_pressure: true}\n"
