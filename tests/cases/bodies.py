@@ -6,9 +6,12 @@ Scenes are put together here; bodies.yaml has something of everything.
 
 import csv
 import math
+import shutil
+import subprocess
 
 import h5py
 import numpy as np
+from PIL import Image
 
 import case as c
 
@@ -285,7 +288,77 @@ def refused(case, steps):
     return f"{len(BAD)} bad bodies and 5 settings that do not go with them are refused"
 
 
-CASES = {"bits": bits, "restart": restart, "momentum": momentum, "draft": draft, "tiny": tiny, "stack": stack, "walls": walls, "refused": refused}
+THROWN = """
+name: thrown
+particle_spacing: 0.05
+gravity: [0, 0, -9.81]
+end_time: 0.3
+domain: {periodic: [true, false, false], min: [0, 0, 0], max: [1.6, 0, 0]}
+fluid: {blocks: [{box: {min: [0, 0, 0], max: [1.6, 0.8, 0.1]}}]}
+boundary: {walls: [{box: {min: [0, 0, 0], max: [1.6, 0.8, 0.8]}, inside: fluid, open: [-x, +x, +z]}]}
+bodies: [{name: ball, sphere: {center: [1.2, 0.4, 0.4], radius: 0.12}, density: 500, velocity: [4, 0, 1]}]
+output: {snapshots: {every: 0.05, fields: [velocity]}}
+"""
+
+
+def middles_of(film):
+    """The frames of a film, and where in them what has the colour of bodies is, across and down, as a share of the frame."""
+    frames, middles = [], []
+    with Image.open(film) as image:
+        for k in range(image.n_frames):
+            image.seek(k)
+            frames.append(np.asarray(image.convert("RGB")).astype(int))
+            red, blue = frames[-1][..., 0], frames[-1][..., 2]
+            y, x = np.nonzero((red > blue) & (red - blue < 20) & (red > 60) & (red < 200))
+            c.expect(len(x) > 100, f"{film}: no body in frame {k}")
+            middles.append((np.median(x) / red.shape[1], np.median(y) / red.shape[0]))
+    return frames, np.array(middles)
+
+
+def plotted(case, _):
+    """plot_run makes films of all snapshots, with the same colours and limits, that follow a body across a seam."""
+    output = case.run(write(case, "thrown", THROWN), "thrown", 2)
+
+    def draw(code, *options, environment=None):
+        done = subprocess.run(["/usr/bin/python3", str(c.SOURCE / "scripts/plot_run"), str(output), *map(str, options)], env=environment,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, timeout=300)
+        c.expect(done.returncode == code and "Traceback" not in done.stdout, f"plot_run {options}: {done.stdout}")
+        return done.stdout
+
+    paths = {}
+    for name, options in (("still", ("--view", "top")), ("top", ("--view", "top", "--follow", "ball")), ("behind", ("--view", "behind", "--follow", "ball")),
+                          ("side", ("--view", "side", "--follow", "ball", "--width", 0.6, "--fps", 10))):
+        film = output / f"{name}.gif"
+        c.expect(draw(0, "--movie", film, *options) == f"{film}\n", f"plot_run does not name {film}")
+        frames, paths[name] = middles_of(film)
+        c.expect(len(frames) == len(c.snapshots(output)), f"{film} has {len(frames)} frames")
+        bar = [frame[-55:] for frame in frames]
+        c.expect(all((b == bar[0]).all() for b in bar) and len(np.unique(bar[0])) > 20, f"{film}: the colours' bar is not that of all frames")
+        c.expect(any((frame != frames[0]).any() for frame in frames[1:]), f"{film}: nothing moves")
+    c.expect(np.ptp(paths["still"][:, 0]) > 0.3, f"the ball stays in the middle of a view that stands still: {paths['still']}")
+    for name in ("top", "behind", "side"):
+        c.expect(np.abs(paths[name][:, 0] - 0.5).max() < 0.02, f"{name}: the ball leaves the middle: {paths[name]}")
+    c.expect(np.ptp(paths["side"][:, 1]) > 0.05, f"the view goes up and down with the ball: {paths['side']}")
+
+    film = output / "film.mp4"
+    told = draw(2, "--movie", film, environment={"PATH": str(case.folder)})
+    c.expect(f"{film} needs ffmpeg" in told and str(film.with_suffix(".gif")) in told and not film.exists(), f"without ffmpeg: {told}")
+    if shutil.which("ffmpeg"):
+        draw(0, "--movie", film)
+        c.expect(film.read_bytes()[4:8] == b"ftyp", f"{film} is no film")
+    for message, *options in (("ends with .mp4 or .gif, not film.avi", "--movie", "film.avi"), ("--follow needs --movie", "--follow", "ball"),
+                              ("the run has only ball", "--movie", output / "a.gif", "--follow", "nobody"),
+                              ("--width needs --follow", "--movie", output / "a.gif", "--width", 1),
+                              ("--fps must be more than 0", "--movie", output / "a.gif", "--fps", 0),
+                              ("there is no folder", "--movie", output / "nowhere/a.gif")):
+        c.expect(message in draw(2, *options), f"plot_run {options} does not say: {message}")
+    draw(0, "--view", "top", "--panels", 2)
+    c.expect((output / "thrown_top.png").stat().st_size > 20000, "thrown_top.png is nearly empty")
+    return f"films of {len(frames)} frames, {'with' if shutil.which('ffmpeg') else 'without'} ffmpeg"
+
+
+CASES = {"bits": bits, "restart": restart, "momentum": momentum, "draft": draft, "tiny": tiny, "stack": stack, "walls": walls, "refused": refused,
+         "plotted": plotted}
 
 if __name__ == "__main__":
     c.main(__doc__, CASES)
