@@ -145,12 +145,13 @@ static void note_step(void *caller, double dt, hc_tally *tally) {
   hc_stopwatch_enter(&world->watch, HC_STAGE_MOVE);
 }
 
-/* Blocks that came as the last step began. */
+/* Blocks that came as the last step began, or a window that went along: the first time in full. */
 static void tell_refill(hc_job *job, char *event, size_t size) {
   const hc_simulation *const simulation = &job->simulation;
   if (!simulation->came) return;
-  hc_job_log_rest(job);
-  snprintf(event + strlen(event), size - strlen(event), "%srefill", event[0] ? "+" : "");
+  if (!simulation->displaced || simulation->window.count == 1) hc_job_log_rest(job);
+  snprintf(event + strlen(event), size - strlen(event), "%s%s", event[0] ? "+" : "",
+           simulation->displaced ? "window" : "refill");
 }
 
 /* Particles that were taken out: the first ten of a run one by one, then how many in a step. */

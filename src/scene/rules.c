@@ -411,6 +411,57 @@ static void check_absorption(const hc_scene *scene, const hc_scene_absorption *a
                       absorption->wall);
 }
 
+/* One axis, if any, along which gravity acts; -1: it acts aslant. */
+static int axis_of_gravity(const hc_scene *scene) {
+  int axis = -1, count = 0;
+  for (int k = 0; k < 3; k++) {
+    if (scene->gravity[k] == 0.0) continue;
+    axis = k;
+    count++;
+  }
+  return count == 1 ? axis : -1;
+}
+
+static void check_window(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
+  const hc_scene_window *const window = &scene->window;
+  const hc_place place = hc_given_place_of(given, "window.follow");
+  if (hc_given_is_bad(given, "window.follow") || !hc_scene_has_window(scene)) {
+    if (hc_given_has(given, "window.wall") && !hc_given_is_bad(given, "window.follow"))
+      require(given, "window.follow", "with window.wall", complaints);
+    return;
+  }
+  bool known = false;
+  for (int k = 0; k < scene->body_count; k++)
+    known |= strcmp(scene->bodies[k].surface.name, window->follow) == 0;
+  if (!known && !hc_given_value_of(given, "bodies")->bad)
+    hc_complaints_add(complaints, place, "window.follow must be the name of a body of the scene, not '%s'",
+                      window->follow);
+  if (axis_of_gravity(scene) < 0 && !hc_given_is_bad(given, "gravity"))
+    hc_complaints_add(complaints, place,
+                      "window.follow must not be given unless gravity acts along one axis: across it the "
+                      "window goes along");
+  require(given, "window.wall", "with window.follow", complaints);
+  if (!hc_given_has(given, "window.wall") || hc_given_value_of(given, "boundary.walls")->bad) return;
+  const hc_wall *const wall = &scene->boundary.walls[0];
+  if (scene->boundary.wall_count != 1 || strcmp(wall->name, window->wall) != 0)
+    hc_complaints_add(complaints, hc_given_place_of(given, "window.wall"),
+                      "window.wall must be the name of the scene's only wall, not '%s' of %d walls",
+                      window->wall, scene->boundary.wall_count);
+  else if (wall->form == HC_FORM_PLANE || wall->inside != HC_INSIDE_FLUID ||
+           wall->motion.type != HC_WALL_STANDS || (wall->form == HC_FORM_MESH && !wall->mesh.closed) ||
+           (wall->form == HC_FORM_REVOLUTION && !wall->revolution.closed))
+    hc_complaints_add(complaints, hc_given_place_of(given, "window.wall"),
+                      "window.wall must be a container (inside: fluid, no plane, no sheet) without a motion, "
+                      "which '%s' is not",
+                      window->wall);
+  for (int k = 0; k < scene->fluid.block_count; k++)
+    if (!scene->fluid.blocks[k].rest_state[0] || scene->fluid.blocks[k].start > 0.0)
+      hc_complaints_add(complaints, place,
+                        "window.follow must not be given unless a rest_state fills every block at the start, "
+                        "not so fluid.blocks[%d]: the window is filled anew from it",
+                        k);
+}
+
 static void check_gauge(hc_scene *scene, int index, const hc_given *given, hc_complaints *complaints) {
   hc_scene_gauge *gauge = &scene->output.gauges[index];
   if (!hc_given_is_bad(given, "at")) complete_point(scene, gauge, given, complaints);
@@ -495,6 +546,7 @@ void hc_rules_apply(hc_scene *scene, const hc_given *given, const char *file_nam
   check_surface_names(scene, given, complaints);
   complete_viscosity(scene, given, complaints);
   complete_friction(scene, given, complaints);
+  check_window(scene, given, complaints);
   const hc_given_value *absorptions = hc_given_value_of(given, "absorption");
   for (int k = 0; k < absorptions->item_count; k++)
     if (!absorptions->items[k].bad)

@@ -78,3 +78,7 @@ const hc_wall *hc_scene_surface(const hc_scene *scene, int number) {
 bool hc_scene_stands(const hc_scene *scene, int number) {
   return !hc_scene_is_body(scene, number) && scene->boundary.walls[number].motion.type == HC_WALL_STANDS;
 }
+
+bool hc_scene_has_window(const hc_scene *scene) {
+  return scene->window.follow[0] != '\0';
+}

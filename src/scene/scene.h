@@ -275,6 +275,16 @@ typedef struct hc_scene_absorption {
   double outflow_distance;   /* support radii: what is higher than the ocean and nearer goes; 0: none */
 } hc_scene_absorption;
 
+/* A world that goes along with a body: Carensac et al. 2023, section 4.1. */
+typedef struct hc_scene_window {
+  char follow[HC_NAME_LENGTH]; /* the body's name; empty: there is no window */
+  char wall[HC_NAME_LENGTH];   /* the wall around it, the only one */
+  double trigger;              /* support radii: how far the body may get before the window goes along */
+  double old_distance;         /* half spacings: fluid nearer to where the wall was is renewed, */
+  double new_distance;         /* support radii: and to where it comes to */
+  double target;               /* of the rest density: fluid.rest.target where old and new water meet */
+} hc_scene_window;
+
 typedef enum hc_gauge_type {
   HC_GAUGE_HEIGHT,
   HC_GAUGE_FRONT,
@@ -421,6 +431,8 @@ typedef struct hc_scene {
   hc_scene_absorption *absorptions;
   int absorption_count;
 
+  hc_scene_window window;
+
   struct {
     hc_solver_method method;
     double density_error_avg; /* fraction of the rest density */
@@ -500,6 +512,9 @@ const hc_wall *hc_scene_surface(const hc_scene *scene, int number);
 /* Is it the surface of a body? Does it stand still for ever? */
 bool hc_scene_is_body(const hc_scene *scene, int number);
 bool hc_scene_stands(const hc_scene *scene, int number);
+
+/* Is there a window? */
+bool hc_scene_has_window(const hc_scene *scene);
 
 void hc_scene_free(hc_scene *scene);
 

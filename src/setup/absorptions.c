@@ -1,6 +1,7 @@
 #include "absorptions.h"
 
 #include "base/memory.h"
+#include "setup/samples.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -40,22 +41,6 @@ static double (*currents(const hc_scene *scene))[3] {
   return made;
 }
 
-/* Where the samples of each block begin in a count of all, whether or not they are left out. */
-static hc_status count_samples(const hc_setup_plan *plan, hc_absorption *absorption, hc_error *error) {
-  absorption->numbers = hc_alloc_zero((size_t)plan->fluid_sources + 1, sizeof *absorption->numbers);
-  double all = 0.0;
-  for (int k = 0; k < plan->fluid_sources; k++) {
-    absorption->numbers[k] = (int64_t)all;
-    all += (double)hc_sampling_count(&plan->fluid[k].sampling);
-    if (!(all < (double)HC_ID_MAX_COUNTER))
-      return hc_error_set(error, HC_BAD_INPUT,
-                          "absorption: fluid.blocks must have fewer than 2^%d samples together",
-                          HC_ID_COUNTER_BITS);
-  }
-  absorption->stride = (int64_t)fmax(all, 1.0);
-  return HC_OK;
-}
-
 hc_status hc_setup_absorption(const hc_scene *scene, const hc_setup_plan *plan, hc_absorption *absorption,
                               hc_error *error) {
   *absorption = (hc_absorption){.count = scene->absorption_count};
@@ -71,5 +56,5 @@ hc_status hc_setup_absorption(const hc_scene *scene, const hc_setup_plan *plan, 
     return hc_error_set(error, HC_BAD_INPUT,
                         "fluid.blocks, fluid.emitters and absorption must have at most 2^%d entries together",
                         HC_ID_SOURCE_BITS);
-  return count_samples(plan, absorption, error);
+  return hc_setup_sample_numbers(plan, &absorption->samples, error);
 }

@@ -35,7 +35,8 @@ bool hc_setup_has_refills(const hc_scene *scene) {
 }
 
 void hc_setup_free_start(hc_scene *scene) {
-  if (!hc_setup_has_refills(scene)) hc_scene_free_surfaces(scene);
+  const bool shapes_stay = scene->absorption_count > 0 || hc_scene_has_window(scene);
+  if (!hc_setup_has_refills(scene) && !shapes_stay) hc_scene_free_surfaces(scene);
 }
 
 /* What rank 0 says of a file before its positions. */

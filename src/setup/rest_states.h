@@ -28,9 +28,8 @@ void hc_setup_rest_states_load(const hc_scene_files *files, hc_scene *scene, con
 bool hc_setup_has_rest_states(const hc_scene *scene);
 bool hc_setup_has_refills(const hc_scene *scene);
 
-/* Frees what only the start of a run has needed, surfaces and rest states: not where blocks come later.
- * Local.
- */
+/* Frees what only the start of a run has needed, surfaces and rest states: not where blocks come later,
+ * walls absorb or a window goes along. Local. */
 void hc_setup_free_start(hc_scene *scene);
 
 #endif

@@ -15,6 +15,19 @@ void hc_population_register(hc_population *population, hc_state *state) {
   hc_absorption_register(&population->absorption, state);
 }
 
+/* What is no limit stays none. */
+static int64_t go(int64_t limit, int64_t shift) {
+  return limit == INT64_MIN || limit == INT64_MAX ? limit : limit + shift;
+}
+
+void hc_population_go(hc_population *population, const hc_frame *frame, const int64_t shift[3]) {
+  for (int a = 0; a < 3; a++) {
+    population->limits.low[a] = go(population->at_start.low[a], shift[a]);
+    population->limits.high[a] = go(population->at_start.high[a], shift[a]);
+  }
+  if (population->absorption.count > 0) hc_places_go(&population->absorption.places, frame, shift);
+}
+
 double hc_population_speed(const hc_population *population, double time, double ahead) {
   return hc_emitters_speed(&population->emitters, time, ahead);
 }

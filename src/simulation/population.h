@@ -25,9 +25,9 @@ typedef struct hc_departures {
 } hc_departures;
 
 typedef struct hc_population {
-  hc_limits limits; /* of the world */
-  bool remove;      /* what leaves is taken out; else it is a fault */
-  int64_t beyond;   /* particles on all ranks that are beyond the limits at beyond_time, */
+  hc_limits limits, at_start; /* of the world: now, and before a window went along */
+  bool remove;                /* what leaves is taken out; else it is a fault */
+  int64_t beyond;             /* particles on all ranks that are beyond the limits at beyond_time, */
   double beyond_time;
   bool counted; /* if this is set */
   hc_emitters emitters;
@@ -42,6 +42,9 @@ void hc_population_free(hc_population *population);
 
 /* Registers what is state. Local. */
 void hc_population_register(hc_population *population, hc_state *state);
+
+/* Limits and places go along with a window, by units. Local. */
+void hc_population_go(hc_population *population, const hc_frame *frame, const int64_t shift[3]);
 
 /* The largest speed that comes in between a time and `ahead` later, m/s. Local. */
 double hc_population_speed(const hc_population *population, double time, double ahead);

@@ -116,7 +116,10 @@ static hc_status fill(hc_simulation *simulation, int number, const hc_fit *fit, 
     fresh[number] = true;
     hc_world_count_fluid(world);
     const double dt = simulation->dt > 0.0 ? simulation->dt : hc_setup_calm_step(scene);
-    if (error->status == HC_OK && hc_simulation_fit(simulation, fresh, dt, error) == HC_OK) {
+    if (error->status == HC_OK &&
+        hc_simulation_fit(simulation, &scene->fluid.rest,
+                          &(hc_rest_fresh){.source = fresh, .sources = scene->fluid.block_count}, dt,
+                          error) == HC_OK) {
       set_velocities(simulation, source);
       tell_speed(simulation);
     }

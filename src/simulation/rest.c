@@ -57,9 +57,8 @@ static void drop_held(hc_particles *fluid) {
 }
 
 /* Damped steps of the candidates, in a world that holds only them and what is near. */
-static hc_status stabilise(const hc_resting *resting, const hc_scene *scene, double dt, const aside *all,
+static hc_status stabilise(const hc_resting *resting, const hc_scene_rest *rules, double dt, const aside *all,
                            hc_rest_report *report, hc_error *error) {
-  const hc_scene_rest *const rules = &scene->fluid.rest;
   const hc_relaxing how = {.dt = dt,
                            .steps = rules->steps,
                            .damping_start = rules->damping_start,
@@ -79,8 +78,8 @@ static hc_status stabilise(const hc_resting *resting, const hc_scene *scene, dou
   return error->status;
 }
 
-hc_status hc_rest_fit(const hc_resting *resting, const hc_scene *scene, double dt, const bool *fresh,
-                      int sources, hc_rest_report *report, hc_error *error) {
+hc_status hc_rest_fit(const hc_resting *resting, const hc_scene_rest *rules, double dt,
+                      const hc_rest_fresh *fresh, hc_rest_report *report, hc_error *error) {
   hc_world *const world = resting->world;
   const double begun = hc_seconds();
   memset(report, 0, sizeof *report);
@@ -88,13 +87,13 @@ hc_status hc_rest_fit(const hc_resting *resting, const hc_scene *scene, double d
   hc_world_place(world);
   hc_bodies_touch(resting->bodies, world);
   hc_rest_part *const part = hc_alloc((size_t)world->fluid->own, sizeof *part);
-  hc_rest_choose(resting, &scene->fluid.rest, fresh, sources, part, &report->chosen);
+  hc_rest_choose(resting, rules, fresh, part, &report->chosen);
   const int64_t total = world->fluid_total;
   aside all = put_aside(world->fluid, part);
   const double chosen = hc_seconds();
   report->choosing = chosen - begun;
-  if (report->chosen.candidates > 0 && scene->fluid.rest.steps > 0)
-    stabilise(resting, scene, dt, &all, report, error);
+  if (report->chosen.candidates > 0 && rules->steps > 0)
+    stabilise(resting, rules, dt, &all, report, error);
   else
     put_back(world->fluid, &all, HC_REST_CANDIDATE, HC_REST_CANDIDATE);
   put_back(world->fluid, &all, HC_REST_AWAY, HC_REST_BESIDE);

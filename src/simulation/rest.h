@@ -13,12 +13,12 @@ typedef struct hc_rest_report {
   double choosing, relaxing; /* s: of this rank */
 } hc_rest_report;
 
-/* Fits particles of `fresh` sources, which have just been put into the fluid's store with their air, to what
+/* Fits `fresh` particles, which have just been put into the fluid's store with their air, to what
  * is there: chooses who stays, takes out the others and all air, and lets candidates come to rest beside the
  * rest, which does not move. Collective. Before: walls have their volumes, bodies are posed. After: particles
  * are with their owners, cells and lists are stale, and world->fluid_total is right. HC_FAILED, agreed, if a
  * damped step, of dt, fails. */
-hc_status hc_rest_fit(const hc_resting *resting, const hc_scene *scene, double dt, const bool *fresh,
-                      int sources, hc_rest_report *report, hc_error *error);
+hc_status hc_rest_fit(const hc_resting *resting, const hc_scene_rest *rules, double dt,
+                      const hc_rest_fresh *fresh, hc_rest_report *report, hc_error *error);
 
 #endif

@@ -21,8 +21,7 @@ static const double COUNTED = 0.1;
 typedef struct choice {
   hc_world *world;
   const hc_scene_rest *rules;
-  const bool *fresh;
-  int sources;
+  const hc_rest_fresh *fresh;
   int32_t *near;       /* own particles that may be, ascending */
   int32_t *candidates; /* ascending */
   int32_t count;
@@ -104,13 +103,16 @@ static void show(const choice *c) {
   hc_halo_refresh(c->world->halo, HC_SCALAR(motion));
 }
 
+static bool is_fresh(const hc_rest_fresh *fresh, uint64_t id) {
+  const int64_t source = hc_id_source_of(id);
+  return (source < fresh->sources && fresh->source[source]) || (id >= fresh->from && id < fresh->to);
+}
+
 static void tell_apart(const choice *c, hc_rest_chosen *chosen) {
   hc_particles *const fluid = c->world->fluid;
   chosen->loaded = chosen->air = 0;
   for (int32_t i = 0; i < fluid->own; i++) {
-    const int64_t source = hc_id_source_of(fluid->id[i]);
-    const bool air = hc_id_kind_of(fluid->id[i]) == HC_ID_AIR,
-               fresh = source < c->sources && c->fresh[source];
+    const bool air = hc_id_kind_of(fluid->id[i]) == HC_ID_AIR, fresh = is_fresh(c->fresh, fluid->id[i]);
     fluid->motion[i].scalar = (float)(air ? AIR : fresh ? FRESH : HERE);
     chosen->loaded += !air && fresh;
     chosen->air += air;
@@ -163,7 +165,9 @@ static void list_near(choice *c) {
     const hc_brick place = cells->bricks.bricks[brick];
     int32_t around[HC_ADJACENT];
     hc_brick_set_around(&cells->bricks, place, around);
-    if (!any_wall(world, place, cell) && !any_here(here, around, cell)) continue;
+    const bool looked_at =
+        any_here(here, around, cell) || (!c->fresh->fitted && any_wall(world, place, cell));
+    if (!looked_at) continue;
     const int32_t first = cells->begin[brick][cell], more = cells->count[brick][cell];
     hc_reserve((void **)&c->near, &room, 2 * (size_t)(count + more), (size_t)count, sizeof *c->near);
     for (int32_t n = 0; n < more; n++) c->near[count++] = first + n;
@@ -197,7 +201,7 @@ static void start(choice *c) {
       fluid->place[i].scalar = 1.0f;
       continue;
     }
-    if (it != FRESH || !(walls.any || all.nearest < 1.0)) continue;
+    if (it != FRESH || !((walls.any && !c->fresh->fitted) || all.nearest < 1.0)) continue;
     const size_t kept = (size_t)c->count;
     hc_reserve((void **)&c->candidates, &room[0], kept + 1, kept, sizeof *c->candidates);
     hc_reserve((void **)&c->constant, &room[1], kept + 1, kept, sizeof *c->constant);
@@ -369,9 +373,9 @@ static void share_parts(const choice *c, hc_rest_part *part) {
   hc_free(beside);
 }
 
-void hc_rest_choose(const hc_resting *resting, const hc_scene_rest *rules, const bool *fresh, int sources,
+void hc_rest_choose(const hc_resting *resting, const hc_scene_rest *rules, const hc_rest_fresh *fresh,
                     hc_rest_part *part, hc_rest_chosen *chosen) {
-  choice c = {.world = resting->world, .rules = rules, .fresh = fresh, .sources = sources};
+  choice c = {.world = resting->world, .rules = rules, .fresh = fresh};
   memset(chosen, 0, sizeof *chosen);
   tell_apart(&c, chosen);
   list_near(&c);

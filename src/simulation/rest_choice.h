@@ -21,6 +21,14 @@ typedef enum hc_rest_part {
   HC_REST_CANDIDATE /* moves */
 } hc_rest_part;
 
+/* Which particles have just come. */
+typedef struct hc_rest_fresh {
+  const bool *source; /* those of blocks, by number, */
+  int sources;
+  uint64_t from, to; /* and those whose ids are in [from, to) */
+  bool fitted;       /* they fit walls and bodies: only beside fluid that is here they may have to go */
+} hc_rest_fresh;
+
 typedef struct hc_rest_chosen {
   int64_t loaded, air;        /* particles of rest states, and of the air around them */
   int64_t before, candidates; /* candidates before the first pass, and those left */
@@ -28,11 +36,10 @@ typedef struct hc_rest_chosen {
   double mean, deviation;     /* of the candidates' densities from the target, of the rest density */
 } hc_rest_chosen;
 
-/* Says of every own fluid particle which part it has; `fresh`: whether particles of that source have just
- * come. `part` has room for all of them. Collective. Before: hc_world_place. After: lists are
- * of few, and scalars of place and
- * motion of the fluid are no more what steps make of them. */
-void hc_rest_choose(const hc_resting *resting, const hc_scene_rest *rules, const bool *fresh, int sources,
+/* Says of every own fluid particle which part it has. `part` has room for all of them. Collective. Before:
+ * hc_world_place. After: lists are of few, and scalars of place and motion of the fluid are no more what
+ * steps make of them. */
+void hc_rest_choose(const hc_resting *resting, const hc_scene_rest *rules, const hc_rest_fresh *fresh,
                     hc_rest_part *part, hc_rest_chosen *chosen);
 
 #endif

@@ -47,6 +47,9 @@ static void pose_walls(hc_simulation *simulation, bool held) {
   hc_bodies_pose(&simulation->bodies, simulation->time, &simulation->movers);
   hc_movers_pose(&simulation->movers, &simulation->world, simulation->time,
                  simulation->control.settings->longest, held);
+  if (!simulation->window.there) return;
+  hc_window_pose(&simulation->window, &simulation->world);
+  hc_population_go(&simulation->population, &simulation->world.frame, simulation->window.shift);
 }
 
 void hc_simulation_pose_walls(hc_simulation *simulation) {
@@ -100,12 +103,12 @@ hc_resting hc_simulation_resting(hc_simulation *simulation, hc_step_report *repo
                       .spacing = simulation->scene->particle_spacing};
 }
 
-hc_status hc_simulation_fit(hc_simulation *simulation, const bool *fresh, double dt, hc_error *error) {
-  const hc_scene *const scene = simulation->scene;
+hc_status hc_simulation_fit(hc_simulation *simulation, const hc_scene_rest *rules, const hc_rest_fresh *fresh,
+                            double dt, hc_error *error) {
   hc_step_report report = simulation->report;
   const hc_resting resting = hc_simulation_resting(simulation, &report);
   pose_walls(simulation, true); /* nothing moves meanwhile */
-  hc_rest_fit(&resting, scene, dt, fresh, scene->fluid.block_count, &simulation->rest, error);
+  hc_rest_fit(&resting, rules, dt, fresh, &simulation->rest, error);
   pose_walls(simulation, false);
   hc_simulation_disturb(simulation);
   return error->status;
@@ -117,7 +120,8 @@ static hc_status fit_rest_states(hc_simulation *simulation, hc_error *error) {
   const double dt = hc_setup_calm_step(scene);
   bool *const fresh = hc_alloc_zero((size_t)scene->fluid.block_count, sizeof *fresh);
   for (int k = 0; k < scene->fluid.block_count; k++) fresh[k] = scene->fluid.blocks[k].rest_state[0] != '\0';
-  hc_simulation_fit(simulation, fresh, dt, error);
+  hc_simulation_fit(simulation, &scene->fluid.rest,
+                    &(hc_rest_fresh){.source = fresh, .sources = scene->fluid.block_count}, dt, error);
   hc_free(fresh);
   if (error->status != HC_OK) return error->status;
   hc_setup_velocities(&simulation->plan, simulation->world.fluid);
@@ -137,12 +141,14 @@ static hc_status fill_world(hc_simulation *simulation, hc_error *error) {
   hc_movers_start(world->moving);
   pose_walls(simulation, simulation->scene->fluid.settle_steps > 0);
   hc_world_start(world, hc_balance_first_divider(simulation->scene));
+  hc_window_remember(&simulation->window, world, HC_ID_AIR);
   if (hc_setup_has_rest_states(simulation->scene) && fit_rest_states(simulation, error) != HC_OK)
     return error->status;
   if (simulation->scene->fluid.settle_steps > 0 && settle(simulation, error) != HC_OK) return error->status;
   hc_world_update(world);
   hc_bodies_touch(&simulation->bodies, world);
   hc_absorption_start(&simulation->population.absorption, world);
+  hc_window_remember(&simulation->window, world, HC_ID_FLUID);
   hc_setup_plan_free(&simulation->plan);
   return HC_OK;
 }
@@ -154,10 +160,11 @@ hc_particle_name hc_simulation_particle_name(const hc_scene *scene, int64_t id) 
     int count;
   } kinds[] = {{"fluid.blocks", scene->fluid.block_count},
                {"fluid.emitters", scene->fluid.emitter_count},
-               {"absorption", scene->absorption_count}};
+               {"absorption", scene->absorption_count},
+               {"window", 1}};
   int64_t source = hc_id_source_of((uint64_t)id);
   int kind = 0;
-  while (kind < 2 && source >= kinds[kind].count) source -= kinds[kind++].count;
+  while (kind < 3 && source >= kinds[kind].count) source -= kinds[kind++].count;
   snprintf(name.text, sizeof name.text, "%lld (number %lld of %s[%lld])", (long long)id,
            (long long)hc_id_counter_of((uint64_t)id), kinds[kind].name, (long long)source);
   return name;
@@ -184,6 +191,7 @@ static void register_state(hc_simulation *simulation) {
   hc_population_register(&simulation->population, state);
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->refilled, "refilled");
   hc_bodies_register(&simulation->bodies, state);
+  hc_window_register(&simulation->window, state);
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_avg, "density_error_avg");
   hc_state_add(state, HC_TYPE_f64, 1, &simulation->report.density_error_max, "density_error_max");
   hc_control_register(&simulation->control, state);
@@ -211,6 +219,9 @@ static hc_status plan_particles(hc_simulation *simulation, hc_error *error) {
   if (hc_comm_agree(simulation->comm, error) != HC_OK) return error->status;
   simulation->movers = hc_prescribed_movers_make(scene, plan);
   simulation->bodies = hc_setup_bodies_make(scene, plan, &simulation->world.frame);
+  simulation->population.at_start = simulation->population.limits;
+  hc_window_make(scene, plan, &simulation->bodies, &simulation->window, error);
+  if (hc_comm_agree(simulation->comm, error) != HC_OK) return error->status;
   simulation->population.remove = scene->domain.leaving == HC_LEAVING_REMOVE;
   register_state(simulation);
   return HC_OK;
@@ -268,6 +279,7 @@ hc_status hc_simulation_populate(hc_simulation *simulation, hc_error *error) {
 
 void hc_simulation_adopt(hc_simulation *simulation) {
   hc_world *world = &simulation->world;
+  hc_window_adopt(&simulation->window);
   pose_walls(simulation, false);
   hc_world_distribute(world, hc_balance_first_divider(simulation->scene));
   hc_world_update(world);
@@ -292,6 +304,7 @@ void hc_simulation_free(hc_simulation *simulation) {
   hc_rollback_free(&simulation->rollback);
   hc_movers_free(&simulation->movers);
   hc_bodies_free(&simulation->bodies);
+  hc_window_free(&simulation->window);
   hc_impulses_free(&simulation->loads);
   hc_population_free(&simulation->population);
   hc_state_free(&simulation->state);
@@ -327,6 +340,7 @@ void hc_simulation_disturb(hc_simulation *simulation) {
   hc_domain_forget_partners(&simulation->world.domain);
   simulation->population.counted = false;
   simulation->population.absorption.places.moved = true;
+  simulation->window.places.moved = true;
 }
 
 void hc_simulation_show_resumable(hc_simulation *simulation, hc_state_copy *now) {

@@ -15,6 +15,7 @@
 #include "state/moment.h"
 #include "state/state.h"
 #include "stepping/control.h"
+#include "window/window.h"
 
 /* What a caller has added up over the ranks with each step, in the one reduction behind its move: `note` is
  * called on every rank once own particles have moved by dt, cells and lists as they were before; what it
@@ -43,10 +44,12 @@ typedef struct hc_simulation {
   hc_population population;
   hc_rest_report rest; /* of the rest states that have come last */
   double refilled;     /* s: blocks that start until then have come */
-  bool came;           /* some came as the last step began */
-  bool unsettled;      /* the caller sets it behind prepare: a start may be too dense */
-  int64_t capped_at;   /* the last step in which the density solver was at its cap; 0: none */
-  double imbalance;    /* largest over mean number of own fluid particles at the start */
+  bool came;           /* some came as the last step began, blocks or what a window is filled with */
+  hc_window window;
+  bool displaced;    /* the window went along as the last step began */
+  bool unsettled;    /* the caller sets it behind prepare: a start may be too dense */
+  int64_t capped_at; /* the last step in which the density solver was at its cap; 0: none */
+  double imbalance;  /* largest over mean number of own fluid particles at the start */
   hc_balance balance;
   hc_rollback rollback; /* of the last call, and what the next may go back to */
   hc_company company;   /* the caller's */
@@ -79,9 +82,10 @@ void hc_simulation_pose_walls(hc_simulation *simulation);
 /* What its damped steps work on, with a report of their own. Local. */
 hc_resting hc_simulation_resting(hc_simulation *simulation, hc_step_report *report);
 
-/* Particles of `fresh` blocks, which have just been put into the fluid's store, fit themselves to what is
- * there, see rest.h; simulation->rest tells. hc_world_place must follow. Collective; HC_FAILED, agreed. */
-hc_status hc_simulation_fit(hc_simulation *simulation, const bool *fresh, double dt, hc_error *error);
+/* `fresh` particles, which have just been put into the fluid's store, fit themselves to what is there, see
+ * rest.h; simulation->rest tells. hc_world_place must follow. Collective; HC_FAILED, agreed. */
+hc_status hc_simulation_fit(hc_simulation *simulation, const hc_scene_rest *rules, const hc_rest_fresh *fresh,
+                            double dt, hc_error *error);
 
 /* Fluid particles have been moved, or their state gone back, by others than steps: what the last step found
  * out of their places does not hold. Local, on all ranks. */

@@ -1,5 +1,6 @@
 #include "step.h"
 
+#include "displace.h"
 #include "failure.h"
 #include "move_bodies.h"
 #include "refill.h"
@@ -98,9 +99,12 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   }
   hc_balance_start(&simulation->balance, simulation->comm);
   hc_simulation_pose_walls(simulation);
+  if (hc_simulation_displace(simulation, error) != HC_OK) return error->status;
   hc_world_place(world);
-  if (hc_population_change(&simulation->population, world, simulation->time, true)) hc_world_place(world);
+  if (hc_population_change(&simulation->population, world, simulation->time, !simulation->displaced))
+    hc_world_place(world);
   if (hc_simulation_refill(simulation, error) != HC_OK) return error->status;
+  if (hc_simulation_renew(simulation, error) != HC_OK) return error->status;
   if (simulation->came) hc_world_place(world);
   hc_bodies_touch(&simulation->bodies, world);
   double dt = control->ops->when == HC_CONTROL_FROM_STATE ? next_step(simulation) : 0.0;

@@ -12,7 +12,7 @@ void hc_absorption_free(hc_absorption *absorption) {
   if (absorption->count > 0) hc_places_free(&absorption->places);
   hc_free(absorption->absorbers);
   hc_free(absorption->current);
-  hc_free(absorption->numbers);
+  hc_free(absorption->samples.first);
   memset(absorption, 0, sizeof *absorption);
 }
 
@@ -60,10 +60,11 @@ static double distance_to(const hc_frame *frame, const hc_absorber *absorber, co
 static int claims(const hc_absorption *absorption, const hc_world *world, int32_t k) {
   double x[3];
   to_scene(absorption, &world->frame, &world->fluid->position[3 * (size_t)k], x);
-  const double height = height_of(absorption, x);
+  const double height = height_of(absorption, x),
+               half = (double)world->sweep.wall_offset * world->frame.support_radius; /* a spacing's */
   for (int n = 0; n < absorption->count; n++) {
     const hc_absorber *const absorber = &absorption->absorbers[n];
-    if (absorber->density > 0.0 && height <= absorber->height &&
+    if (absorber->density > 0.0 && height <= absorber->height - half &&
         distance_to(&world->frame, absorber, x) <= world->frame.support_radius)
       return n;
   }
@@ -92,8 +93,7 @@ void hc_absorption_start(hc_absorption *absorption, const hc_world *world) {
   for (int32_t k = 0; k < fluid->own; k++) {
     const int n = claims(absorption, world, k);
     if (n < 0) continue;
-    const int64_t number =
-        absorption->numbers[hc_id_source_of(fluid->id[k])] + hc_id_counter_of(fluid->id[k]);
+    const int64_t number = hc_sample_number(&absorption->samples, fluid->id[k]);
     hc_arrivals_add(&found, hc_id_make(HC_ID_FLUID, absorption->absorbers[n].source, (uint64_t)number),
                     &fluid->position[3 * (size_t)k]);
   }
@@ -189,9 +189,9 @@ void hc_absorption_let_in(hc_absorption *absorption, hc_world *world, hc_arrival
     const around found = look_around(absorption, world, arrival->x);
     for (int a = 0; a < 3; a++)
       arrival->velocity[a] = found.density > 0.0 ? found.velocity[a] / found.density : 0.0;
-    HC_CHECK(hc_id_counter_of(places->id[k]) + absorption->stride < HC_ID_MAX_COUNTER,
+    HC_CHECK(hc_id_counter_of(places->id[k]) + absorption->samples.count < HC_ID_MAX_COUNTER,
              "the ids of place %lld are used up", (long long)hc_id_counter_of(places->id[k]));
-    places->id[k] += (uint64_t)absorption->stride;
+    places->id[k] += (uint64_t)absorption->samples.count;
     next++;
   }
 }

@@ -3,10 +3,12 @@
  * a given height.
  *
  * Outflow: a particle that is higher, and near the wall, is taken out. Inflow: where fluid stood near the
- * wall at the start, lower than that height, are places; where there is none within a distance now, and a
- * particle's density would be below a limit, one comes in, with the mean velocity of what is around it,
- * weighted by what each gives to the density, samples of walls as well. Places are as far from each other as
- * fluid at rest, so that all of them may be filled at once.
+ * wall at the start, lower than that height by half a spacing at least, are places; where there is none
+ * within a distance now, and a particle's density would be below a limit, one comes in, with the mean
+ * velocity of what is around it, weighted by what each gives to the density, samples of walls as well. Places
+ * are as far from each other as fluid at rest, so that all of them may be filled at once. (The half spacing
+ * is not in the paper: the uppermost layer has its centres there; places above it are filled again and again
+ * while what comes up goes out, which stirs still water.)
  *
  * All is judged by the owner of a place on the particles before any change, in canonical order: ranks do not
  * matter. The id of what comes in counts how often its place was filled. */
@@ -35,11 +37,10 @@ typedef struct hc_absorber {
 typedef struct hc_absorption {
   hc_absorber *absorbers;
   int count;
-  double up[3];         /* unit vector against gravity */
-  double (*current)[3]; /* m/s: of each wall's surface; null: none has any */
-  hc_places places;     /* ids: those of what comes in next */
-  int64_t *numbers;     /* where the sources of the start begin in a count of all their samples, */
-  int64_t stride;       /* and how many these are */
+  double up[3];              /* unit vector against gravity */
+  double (*current)[3];      /* m/s: of each wall's surface; null: none has any */
+  hc_places places;          /* ids: those of what comes in next */
+  hc_sample_numbers samples; /* of the start */
 } hc_absorption;
 
 void hc_absorption_free(hc_absorption *absorption);

@@ -1,6 +1,12 @@
 #include "places.h"
 
+#include "particles/ids.h"
+
 #include <string.h>
+
+int64_t hc_sample_number(const hc_sample_numbers *numbers, uint64_t id) {
+  return numbers->first[hc_id_source_of(id)] + hc_id_counter_of(id);
+}
 
 void hc_places_init(hc_places *places, unsigned kind) {
   memset(places, 0, sizeof *places);
@@ -24,14 +30,18 @@ void hc_places_add(hc_places *places, const hc_arrivals *added) {
   places->moved = true;
 }
 
+void hc_places_translate(hc_particles *store, const hc_frame *frame, const int64_t by[3]) {
+  for (size_t k = 0; k < (size_t)store->own; k++)
+    for (int a = 0; a < 3; a++)
+      store->position[3 * k + (size_t)a] =
+          hc_frame_wrap(frame, a, store->position[3 * k + (size_t)a] + by[a]);
+}
+
 void hc_places_go(hc_places *places, const hc_frame *frame, const int64_t shift[3]) {
   int64_t by[3];
   for (int a = 0; a < 3; a++) by[a] = shift[a] - places->shift[a];
   if (by[0] == 0 && by[1] == 0 && by[2] == 0) return;
-  int64_t *const position = places->store.position;
-  for (size_t k = 0; k < (size_t)places->store.own; k++)
-    for (int a = 0; a < 3; a++)
-      position[3 * k + (size_t)a] = hc_frame_wrap(frame, a, position[3 * k + (size_t)a] + by[a]);
+  hc_places_translate(&places->store, frame, by);
   memcpy(places->shift, shift, sizeof places->shift);
   places->moved = true;
 }

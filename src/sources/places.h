@@ -6,6 +6,16 @@
 #include "arrivals.h"
 #include "domain/domain.h"
 
+/* A number for each sample of the blocks at the start, whether or not it was left out: for the ids of what
+ * takes their places later. */
+typedef struct hc_sample_numbers {
+  int64_t *first; /* by block; owned */
+  int64_t count;  /* of all, 1 at least */
+} hc_sample_numbers;
+
+/* Of a particle of the start. Local. */
+int64_t hc_sample_number(const hc_sample_numbers *numbers, uint64_t id);
+
 typedef struct hc_places {
   hc_particles store; /* positions, and ids that the owner of the places gives a meaning */
   int64_t shift[3];   /* units: by how much they have gone along */
@@ -19,6 +29,9 @@ void hc_places_free(hc_places *places);
 
 /* Adds some, wherever they are. Local. */
 void hc_places_add(hc_places *places, const hc_arrivals *added);
+
+/* Moves own particles of a store by whole units. Local. */
+void hc_places_translate(hc_particles *store, const hc_frame *frame, const int64_t by[3]);
 
 /* Brings them from where they have gone to so far to `shift`, units. Local, on all ranks. */
 void hc_places_go(hc_places *places, const hc_frame *frame, const int64_t shift[3]);
