@@ -115,12 +115,19 @@ static size_text size_of(double bytes) {
   return size;
 }
 
+static void put_window(const hc_scene *scene) {
+  if (!hc_scene_has_window(scene)) return;
+  printf("window              \"%s\" follows \"%s\", which may get %g m away\n", scene->window.wall,
+         scene->window.follow, scene->window.trigger * scene->support_radius);
+}
+
 static void put_text(const hc_scene *scene, const hc_estimate *estimate) {
   char number[HC_TEXT_NUMBER];
   printf("scene               %s\n", scene->name);
   printf("particle spacing    %g m, support radius %g m\n", scene->particle_spacing, scene->support_radius);
   put_particles(scene, estimate);
   put_limits(scene, estimate);
+  put_window(scene);
   printf("first time step     %s s, bounded by: %s\n", hc_text_number(number, estimate->first_step),
          hc_step_bound_name(estimate->bound));
   printf("end time            %g s, %s%" PRId64 " steps\n", scene->end_time,

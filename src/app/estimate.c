@@ -4,11 +4,13 @@
 #include "base/memory.h"
 #include "gauges/gauges.h"
 #include "io/snapshot.h"
+#include "setup/bodies.h"
 #include "setup/controls.h"
 #include "setup/settings.h"
 #include "setup/world_frame.h"
 #include "simulation/footprint.h"
 #include "simulation/simulation.h"
+#include "window/window.h"
 
 #include <limits.h>
 #include <math.h>
@@ -194,9 +196,9 @@ static hc_status estimate_output(const hc_scene *scene, hc_estimate *estimate, h
   if (estimate->steps_exact && estimate->snapshots > estimate->steps + 1)
     estimate->snapshots = estimate->steps + 1;
   estimate->snapshot_bytes = (double)bytes;
-  estimate->checkpoint_bytes = (double)estimate->fluid_most * hc_footprint_fluid_state(scene) +
-                               (double)estimate->boundary.count * hc_footprint_wall_state(scene) +
-                               CHECKPOINT_HEADERS;
+  estimate->checkpoint_bytes =
+      (double)estimate->fluid_most * (hc_footprint_fluid_state(scene) + hc_footprint_places(scene)) +
+      (double)estimate->boundary.count * hc_footprint_wall_state(scene) + CHECKPOINT_HEADERS;
   const int every_steps = scene->output.checkpoints_every_steps;
   const bool many = every_steps > 0 && estimate->steps > every_steps;
   double readings = (double)estimate->steps;
@@ -250,6 +252,16 @@ static hc_status estimate_limits(const hc_scene *scene, const hc_setup_plan *pla
   return HC_OK;
 }
 
+/* Whether a window can go along. */
+static hc_status check_window(const hc_scene *scene, const hc_setup_plan *plan, hc_error *error) {
+  hc_bodies bodies = hc_setup_bodies_make(scene, plan, &plan->frame);
+  hc_window window;
+  const hc_status status = hc_window_make(scene, plan, &bodies, &window, error);
+  hc_window_free(&window);
+  hc_bodies_free(&bodies);
+  return status;
+}
+
 /* Everything that is told apart from the plan, which is the scene's. */
 static hc_status estimate_from_plan(const hc_scene *scene, const hc_setup_plan *plan, hc_estimate *estimate,
                                     hc_error *error) {
@@ -260,6 +272,7 @@ static hc_status estimate_from_plan(const hc_scene *scene, const hc_setup_plan *
   if (status == HC_OK)
     status = hc_setup_check_share(plan, size - 1, size, error); /* the largest is the last */
   if (status == HC_OK) status = estimate_limits(scene, plan, &emitters, estimate, error);
+  if (status == HC_OK) status = check_window(scene, plan, error);
   if (status == HC_OK) status = estimate_particles(plan, estimate, &v2_max, error);
   if (status == HC_OK) {
     hc_movers motions = hc_prescribed_movers_make(scene, plan);

@@ -38,6 +38,11 @@ static unsigned wall_kind(const hc_scene *scene) {
   return any_moves(scene) ? HC_BOUNDARY | HC_MOVED : HC_BOUNDARY;
 }
 
+double hc_footprint_places(const hc_scene *scene) {
+  static const double WITH_AIR = 1.2;
+  return hc_scene_has_window(scene) ? WITH_AIR * (double)hc_particles_state_bytes(HC_WINDOW, 0) : 0.0;
+}
+
 double hc_footprint_fluid(const hc_scene *scene) {
   /* to go back to, and one more while a checkpoint is written */
   const int back = hc_setup_goes_back(scene), copies = back + (back > 1); /* and the state of now */
@@ -45,7 +50,7 @@ double hc_footprint_fluid(const hc_scene *scene) {
   return SLACK *
              ((double)hc_particles_bytes(HC_FLUID, hc_settings_features(scene)) + SORT + CELLS + 2 * ROW +
               entries(scene) + (rigid ? 2 * sizeof(hc_record) : 0) + (has_own_steps(scene) ? CHOSEN : 0)) +
-         copies * hc_footprint_fluid_state(scene);
+         copies * hc_footprint_fluid_state(scene) + SLACK * hc_footprint_places(scene);
 }
 
 double hc_footprint_wall(const hc_scene *scene) {

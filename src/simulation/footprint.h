@@ -17,6 +17,10 @@ double hc_footprint_ghost(const hc_scene *scene);
 double hc_footprint_fluid_state(const hc_scene *scene);
 double hc_footprint_wall_state(const hc_scene *scene);
 
+/* Bytes of the place that a window remembers for each particle of the start, in memory and in a checkpoint;
+ * counted in hc_footprint_fluid. */
+double hc_footprint_places(const hc_scene *scene);
+
 /* Bytes that each of so many ranks needs at least. */
 double hc_footprint_least(const hc_scene *scene, const hc_setup_plan *plan, int64_t ranks);
 
