@@ -10,6 +10,7 @@ typedef enum hc_stage {
   HC_STAGE_MIGRATE,
   HC_STAGE_SORT,
   HC_STAGE_HALO,
+  HC_STAGE_BIRTHS, /* and deaths: emitters, walls that absorb, a window that is filled */
   HC_STAGE_LISTS,
   HC_STAGE_DENSITY,
   HC_STAGE_DIVERGENCE,

@@ -101,6 +101,7 @@ hc_status hc_simulation_step(hc_simulation *simulation, hc_error *error) {
   hc_simulation_pose_walls(simulation);
   if (hc_simulation_displace(simulation, error) != HC_OK) return error->status;
   hc_world_place(world);
+  hc_stopwatch_enter(&world->watch, HC_STAGE_BIRTHS);
   if (hc_population_change(&simulation->population, world, simulation->time, !simulation->displaced))
     hc_world_place(world);
   if (hc_simulation_refill(simulation, error) != HC_OK) return error->status;

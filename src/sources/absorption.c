@@ -128,18 +128,16 @@ typedef struct around {
 /* Adds what a store gives. Its particles count by their own volumes where they have some, else by the
  * fluid's. */
 static void add_store(const hc_absorption *absorption, const hc_world *world, hc_store_id id,
-                      const int64_t x[3], around *sum) {
+                      hc_vicinity *vicinity, const int64_t x[3], around *sum) {
   const hc_store *const store = &world->stores[id];
   const hc_particles *const particles = &store->particles;
   const bool walls = id != HC_STORE_FLUID, own_volumes = walls && world->sweep.walls_add == HC_WALLS_MIRRORED;
   const double volume = (double)world->sweep.volume, inverse = 1.0 / world->frame.support_radius;
-  hc_brick brick;
-  int32_t adjacent[HC_ADJACENT];
-  const int cell = hc_cell_of(x, &brick);
-  if (!hc_brick_set_around(&store->cells.bricks, brick, adjacent)) return;
+  int cell;
+  if (!hc_vicinity_find(vicinity, &store->cells, x, &cell)) return;
   for (int way = 0; way < HC_ADJACENT; way++) {
     int there;
-    const int32_t found = hc_cells_next(adjacent, cell, way, &there);
+    const int32_t found = hc_cells_next(vicinity->adjacent, cell, way, &there);
     if (found < 0) continue;
     const int32_t begin = store->cells.begin[found][there], end = begin + store->cells.count[found][there];
     for (int32_t j = begin; j < end; j++) {
@@ -157,9 +155,12 @@ static void add_store(const hc_absorption *absorption, const hc_world *world, hc
   }
 }
 
-static around look_around(const hc_absorption *absorption, const hc_world *world, const int64_t x[3]) {
+/* `vicinities`: of each store. */
+static around look_around(const hc_absorption *absorption, const hc_world *world, hc_vicinity *vicinities,
+                          const int64_t x[3]) {
   around sum = {.density = 0.0};
-  for (int id = 0; id < HC_STORE_COUNT; id++) add_store(absorption, world, (hc_store_id)id, x, &sum);
+  for (int id = 0; id < HC_STORE_COUNT; id++)
+    add_store(absorption, world, (hc_store_id)id, &vicinities[id], x, &sum);
   return sum;
 }
 
@@ -168,11 +169,13 @@ void hc_absorption_look(hc_absorption *absorption, hc_world *world, hc_arrivals 
   hc_places_settle(&absorption->places, &world->domain);
   const hc_particles *const places = &absorption->places.store;
   const double itself = (double)world->sweep.volume * (double)world->sweep.kernel * hc_kernel_shape(0.0);
+  hc_vicinity vicinities[HC_STORE_COUNT] = {{.known = false}};
   for (int32_t k = 0; k < places->own; k++) {
     hc_absorber *const absorber = &absorption->absorbers[absorber_of(absorption, places->id[k])];
     const int64_t *const x = &places->position[3 * (size_t)k];
-    if (hc_arrivals_blocked(&world->frame, world->cells, world->fluid, x, absorber->nearest) ||
-        itself + look_around(absorption, world, x).density >= absorber->density)
+    if (hc_arrivals_blocked(&world->frame, world->cells, world->fluid, &vicinities[HC_STORE_FLUID], x,
+                            absorber->nearest) ||
+        itself + look_around(absorption, world, vicinities, x).density >= absorber->density)
       continue;
     hc_arrivals_add(arrivals, places->id[k], x);
     absorber->coming++;
@@ -181,12 +184,13 @@ void hc_absorption_look(hc_absorption *absorption, hc_world *world, hc_arrivals 
 
 void hc_absorption_let_in(hc_absorption *absorption, hc_world *world, hc_arrivals *arrivals) {
   hc_particles *const places = &absorption->places.store;
+  hc_vicinity vicinities[HC_STORE_COUNT] = {{.known = false}};
   hc_halo_refresh(world->halo, HC_WHOLE(motion));
   size_t next = 0;
   for (int32_t k = 0; k < places->own && next < arrivals->count; k++) {
     hc_arrival *const arrival = &arrivals->at[next];
     if (places->id[k] != arrival->id) continue;
-    const around found = look_around(absorption, world, arrival->x);
+    const around found = look_around(absorption, world, vicinities, arrival->x);
     for (int a = 0; a < 3; a++)
       arrival->velocity[a] = found.density > 0.0 ? found.velocity[a] / found.density : 0.0;
     HC_CHECK(hc_id_counter_of(places->id[k]) + absorption->samples.count < HC_ID_MAX_COUNTER,

@@ -43,16 +43,25 @@ double hc_arrivals_square(const hc_frame *frame, const hc_particles *particles, 
   return square;
 }
 
-bool hc_arrivals_blocked(const hc_frame *frame, const hc_cells *cells, const hc_particles *particles,
-                         const int64_t x[3], double clearance) {
+bool hc_vicinity_find(hc_vicinity *vicinity, const hc_cells *cells, const int64_t x[3], int *cell) {
   hc_brick brick;
-  int32_t adjacent[HC_ADJACENT];
-  const int cell = hc_cell_of(x, &brick);
-  if (!hc_brick_set_around(&cells->bricks, brick, adjacent)) return false;
+  *cell = hc_cell_of(x, &brick);
+  if (!vicinity->known || !hc_brick_equal(brick, vicinity->brick)) {
+    vicinity->any = hc_brick_set_around(&cells->bricks, brick, vicinity->adjacent);
+    vicinity->brick = brick;
+    vicinity->known = true;
+  }
+  return vicinity->any;
+}
+
+bool hc_arrivals_blocked(const hc_frame *frame, const hc_cells *cells, const hc_particles *particles,
+                         hc_vicinity *vicinity, const int64_t x[3], double clearance) {
+  int cell;
+  if (!hc_vicinity_find(vicinity, cells, x, &cell)) return false;
   for (int k = 0; k < HC_ADJACENT; k++) {
     int there;
     const int way = (k + HC_ADJACENT_SELF) % HC_ADJACENT; /* who blocks is mostly in the place's own cell */
-    const int32_t found = hc_cells_next(adjacent, cell, way, &there);
+    const int32_t found = hc_cells_next(vicinity->adjacent, cell, way, &there);
     if (found < 0) continue;
     const int32_t begin = cells->begin[found][there], end = begin + cells->count[found][there];
     for (int32_t j = begin; j < end; j++)

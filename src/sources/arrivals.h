@@ -29,9 +29,20 @@ void hc_arrivals_free(hc_arrivals *arrivals);
 double hc_arrivals_square(const hc_frame *frame, const hc_particles *particles, int32_t particle,
                           const int64_t x[3]);
 
+/* The bricks around a place, kept for the next place, which is mostly in the same one. Zeroed: of none; as
+ * long as cells stay as they are. */
+typedef struct hc_vicinity {
+  bool known, any; /* of `brick`; has it or any around it particles? */
+  hc_brick brick;
+  int32_t adjacent[HC_ADJACENT];
+} hc_vicinity;
+
+/* The cell of a place, and what is around its brick; false if that is nothing. Local. */
+bool hc_vicinity_find(hc_vicinity *vicinity, const hc_cells *cells, const int64_t x[3], int *cell);
+
 /* Is there a particle, own or ghost, closer to the place? The clearance must not exceed a cell's edge. Local.
  */
 bool hc_arrivals_blocked(const hc_frame *frame, const hc_cells *cells, const hc_particles *particles,
-                         const int64_t x[3], double clearance);
+                         hc_vicinity *vicinity, const int64_t x[3], double clearance);
 
 #endif

@@ -111,13 +111,13 @@ typedef struct release {
   const hc_cells *cells;
   const hc_particles *fluid;
   hc_arrivals arrivals; /* of this rank */
+  hc_vicinity vicinity;
 } release;
 
 /* What becomes of a sample on this rank. */
 typedef enum verdict { ELSEWHERE, BLOCKED, FREE } verdict;
 
-static verdict judge(const release *r, const hc_emitter *emitter, int64_t sample, double along,
-                     int64_t x[3]) {
+static verdict judge(release *r, const hc_emitter *emitter, int64_t sample, double along, int64_t x[3]) {
   const hc_frame *frame = r->domain->frame;
   double metres[3];
   int64_t cell[3];
@@ -127,7 +127,7 @@ static verdict judge(const release *r, const hc_emitter *emitter, int64_t sample
     cell[a] = hc_frame_cell(x[a]);
   }
   if (hc_domain_owner(r->domain, cell) != r->domain->comm->rank) return ELSEWHERE;
-  return hc_arrivals_blocked(frame, r->cells, r->fluid, x, emitter->clearance) ? BLOCKED : FREE;
+  return hc_arrivals_blocked(frame, r->cells, r->fluid, &r->vicinity, x, emitter->clearance) ? BLOCKED : FREE;
 }
 
 /* How many of the layer's free samples may come in: those up to the limit, in the order of the layer. Returns

@@ -57,6 +57,7 @@ bodies:
   - name: raft
     box: {{min: [-0.15, -0.1, 0.25], max: [0.15, 0.1, 0.37]}}
     density: 500
+    locked: [yaw]
     forces: [{{force: {force}, at: [0, 0, 0.3]}}]
 window: {{follow: raft, wall: sea, trigger: 0.6, new_distance: 1}}
 absorption: [{{wall: sea, ocean_height: 0.3}}]
@@ -96,15 +97,18 @@ def bits(case, steps):
 
 def restart(case, steps):
     """Stopped before, as and behind the window goes along, and gone on with on other ranks: the same bytes."""
-    scene, settings = sea(case), ("end_time=1.4",)
-    whole = case.run(scene, "whole", 2, settings)
-    gone = windows(whole)
-    for ranks, stop in ((3, gone[1] - 1), (1, gone[1]), (4, (gone[1] + gone[2]) // 2)):
-        output = case.run(scene, f"stop_{stop}", ranks, settings, ["--steps", stop])
-        case.call(["run", scene, "-o", output, "--quiet", "--restart", *words(settings)], 2)
-        for text in ("steps.csv", "gauges.csv"):
-            c.expect_same_text(whole / text, output / text)
-    return f"around step {gone[1]} and between {gone[1]} and {gone[2]}"
+    told = []
+    for method, shape in (("dfsph", "cylinder"), ("pcisph", "box")):
+        scene, settings = sea(case, method, shape), (*METHODS[method], f"end_time={1.4 if method == 'dfsph' else 0.7}")
+        whole = case.run(scene, f"{method}_whole", 2, settings)
+        gone = windows(whole)
+        for ranks, stop in ((3, gone[1] - 1), (1, gone[1]), (4, (gone[1] + gone[2]) // 2)):
+            output = case.run(scene, f"{method}_{stop}", ranks, settings, ["--steps", stop])
+            case.call(["run", scene, "-o", output, "--quiet", "--restart", *words(settings)], 2)
+            for text in ("steps.csv", "gauges.csv"):
+                c.expect_same_text(whole / text, output / text)
+        told.append(f"{method}: around step {gone[1]} and between {gone[1]} and {gone[2]}")
+    return "; ".join(told)
 
 
 def endless(case, steps):
@@ -114,18 +118,21 @@ def endless(case, steps):
         output = case.run(sea(case, shape=shape, force="[14, 0, 0]"), f"endless_{shape}", 1, ("end_time=6", "output.snapshots.every=6"))
         rows = c.steps(output)
         count = [int(row["fluid_particles"]) for row in rows]
-        c.expect(abs(np.mean(count[-200:]) / count[0] - 1) < 0.02, f"{shape}: {count[0]} particles, at last {np.mean(count[-200:]):.0f}")
+        late, before = (np.mean(part) for part in (count[-300:], count[-600:-300]))
+        # water comes in half a spacing below the ocean's height, a twelfth of this depth
+        c.expect(abs(late / count[0] - 1) < 0.06, f"{shape}: {count[0]} particles, at last {late:.0f}")
+        c.expect(abs(late / before - 1) < 0.01, f"{shape}: {before:.0f} particles, then {late:.0f}")
         c.expect(len(windows(output)) > 20, f"{shape}: the window went along {len(windows(output))} times")
         with open(output / "gauges.csv", encoding="utf-8", newline="") as file:
             speed = np.array([float(row["raft_vx"]) for row in csv.DictReader(file)])
         late, before = speed[-20:].mean(), speed[-60:-40].mean()
-        c.expect(abs(late / before - 1) < 0.06, f"{shape}: {before} and {late} m/s")
+        c.expect(abs(late / before - 1) < 0.2, f"{shape}: {before} and {late} m/s")
         with h5py.File(c.snapshots(output)[-1]) as file:
             at, ids = file["VTKHDF/Points"][:], file["VTKHDF/PointData/id"][:]
         water = at[ids.astype(np.uint64) >> 60 == 0]
         top = [np.percentile(water[np.abs(np.hypot(*(water[:, :2] - water[:, :2].mean(axis=0)).T) - r) < 0.1][:, 2], 98) for r in (0.3, 0.65)]
         c.expect(0.24 < min(top) and max(top) < 0.34, f"{shape}: the water stands at {top} m")
-        told.append(f"{shape}: {len(windows(output))} times, {count[0]} to {np.mean(count[-200:]):.0f} particles, {late:.3f} m/s")
+        told.append(f"{shape}: {len(windows(output))} times, {count[0]} to {count[-1]} particles, {late:.3f} m/s")
     return "; ".join(told)
 
 
