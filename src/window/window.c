@@ -153,6 +153,11 @@ bool hc_window_decide(hc_window *window, const hc_frame *frame, const hc_bodies 
     by[a] = llrint((double)off / (double)frame->spacing[a]) * frame->spacing[a];
   }
   if (square <= window->trigger * window->trigger) return false;
+  if (window->count + 2 > HC_ID_MAX_COUNTER / window->samples.count) {
+    hc_error_set(error, HC_FAILED, "after %lld displacements there are no more ids for water of the window",
+                 (long long)window->count);
+    return false;
+  }
   memcpy(window->before, window->shift, sizeof window->before);
   for (int a = 0; a < 3; a++) window->shift[a] += by[a];
   window->count++;

@@ -54,7 +54,7 @@ void hc_window_adopt(hc_window *window);
 void hc_window_pose(hc_window *window, hc_world *world);
 
 /* Does the window go along now? Then its shift is the next one, and hc_window_pose must follow. HC_FAILED if
- * the body has left it. Local, the same on every rank. */
+ * the body has left it, or no ids are left. Local, the same on every rank. */
 bool hc_window_decide(hc_window *window, const hc_frame *frame, const hc_bodies *bodies, hc_error *error);
 
 /* Behind it: takes out fluid where it is to be renewed, and puts in what stands there at rest, with its air.
