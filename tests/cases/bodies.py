@@ -301,22 +301,36 @@ output: {snapshots: {every: 0.05, fields: [velocity]}}
 """
 
 
+def middle_of(pixels, where):
+    """Where in an image what has the colour of bodies is, across and down, as a share of the image."""
+    red, blue = pixels[..., 0], pixels[..., 2]
+    y, x = np.nonzero((red > blue) & (red - blue < 20) & (red > 60) & (red < 200))
+    c.expect(len(x) > 100, f"{where}: no body")
+    return np.median(x) / red.shape[1], np.median(y) / red.shape[0]
+
+
 def middles_of(film):
-    """The frames of a film, and where in them what has the colour of bodies is, across and down, as a share of the frame."""
+    """The frames of a film, and where in them bodies are."""
     frames, middles = [], []
     with Image.open(film) as image:
         for k in range(image.n_frames):
             image.seek(k)
             frames.append(np.asarray(image.convert("RGB")).astype(int))
-            red, blue = frames[-1][..., 0], frames[-1][..., 2]
-            y, x = np.nonzero((red > blue) & (red - blue < 20) & (red > 60) & (red < 200))
-            c.expect(len(x) > 100, f"{film}: no body in frame {k}")
-            middles.append((np.median(x) / red.shape[1], np.median(y) / red.shape[0]))
+            middles.append(middle_of(frames[-1], f"{film}, frame {k}"))
     return frames, np.array(middles)
 
 
+def panels_of(picture, told):
+    """Where in the two panels of a picture, side by side, what has the colour of bodies is."""
+    c.expect(f"{picture}\n" in told and picture.stat().st_size > 20000, f"{picture} is nearly empty, or not named: {told}")
+    with Image.open(picture) as image:
+        pixels = np.asarray(image.convert("RGB")).astype(int)
+    half = pixels.shape[1] // 2
+    return np.array([middle_of(pixels[:, k * half:(k + 1) * half], f"{picture}, panel {k}") for k in range(2)])
+
+
 def plotted(case, _):
-    """plot_run makes films of all snapshots, with the same colours and limits, that follow a body across a seam."""
+    """plot_run makes films of all snapshots, with the same colours and limits, and pictures that follow a body across a seam."""
     output = case.run(write(case, "thrown", THROWN), "thrown", 2)
 
     def draw(code, *options, environment=None):
@@ -346,14 +360,16 @@ def plotted(case, _):
     if shutil.which("ffmpeg"):
         draw(0, "--movie", film)
         c.expect(film.read_bytes()[4:8] == b"ftyp", f"{film} is no film")
-    for message, *options in (("ends with .mp4 or .gif, not film.avi", "--movie", "film.avi"), ("--follow needs --movie", "--follow", "ball"),
-                              ("the run has only ball", "--movie", output / "a.gif", "--follow", "nobody"),
-                              ("--width needs --follow", "--movie", output / "a.gif", "--width", 1),
+    for message, *options in (("ends with .mp4 or .gif, not film.avi", "--movie", "film.avi"), ("--fps needs --movie", "--fps", 10),
+                              ("the run has only ball", "--follow", "nobody"),
+                              ("--width needs --follow", "--width", 1),
                               ("--fps must be more than 0", "--movie", output / "a.gif", "--fps", 0),
                               ("there is no folder", "--movie", output / "nowhere/a.gif")):
         c.expect(message in draw(2, *options), f"plot_run {options} does not say: {message}")
-    draw(0, "--view", "top", "--panels", 2)
-    c.expect((output / "thrown_top.png").stat().st_size > 20000, "thrown_top.png is nearly empty")
+    still, top = (panels_of(output / "thrown_top.png", draw(0, "--view", "top", "--panels", 2, *options))
+                  for options in ((), ("--follow", "ball")))
+    c.expect(np.ptp(still, axis=0).max() > 0.1, f"the ball stays in the middle of panels of a view that stands still: {still}")
+    c.expect(np.abs(top[:, 0] - 0.5).max() < 0.02 and np.ptp(top, axis=0).max() < 0.02, f"the ball leaves the middle of the panels: {top}")
     return f"films of {len(frames)} frames, {'with' if shutil.which('ffmpeg') else 'without'} ffmpeg"
 
 
