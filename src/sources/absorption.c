@@ -60,11 +60,11 @@ static double distance_to(const hc_frame *frame, const hc_absorber *absorber, co
 static int claims(const hc_absorption *absorption, const hc_world *world, int32_t k) {
   double x[3];
   to_scene(absorption, &world->frame, &world->fluid->position[3 * (size_t)k], x);
-  const double height = height_of(absorption, x),
-               half = (double)world->sweep.wall_offset * world->frame.support_radius; /* a spacing's */
+  const double height = height_of(absorption, x);
+  const double half_spacing = (double)world->sweep.wall_offset * world->frame.support_radius;
   for (int n = 0; n < absorption->count; n++) {
     const hc_absorber *const absorber = &absorption->absorbers[n];
-    if (absorber->density > 0.0 && height <= absorber->height - half &&
+    if (absorber->density > 0.0 && height <= absorber->height - half_spacing &&
         distance_to(&world->frame, absorber, x) <= world->frame.support_radius)
       return n;
   }
