@@ -244,6 +244,7 @@ END_TEST
 int main(void) {
   Suite *suite = suite_create("bodies");
   TCase *tests = tcase_create("bodies");
+  tcase_set_timeout(tests, 60);
   tcase_add_test(tests, a_body_falls);
   tcase_add_test(tests, a_top_keeps_its_energy_to_second_order);
   tcase_add_test(tests, energy_does_not_drift);
