@@ -36,12 +36,6 @@ void hc_gauges_column_name(const hc_scene *scene, int column, char *name, size_t
     snprintf(name, size, "%s", gauge->name);
 }
 
-static int find_wall(const hc_scene *scene, const char *name) {
-  for (int k = 0; k < hc_scene_surfaces(scene); k++)
-    if (*name && strcmp(hc_scene_surface(scene, k)->name, name) == 0) return k;
-  return -1;
-}
-
 static bool has_moving_mean(const hc_gauges *gauges, int g) {
   return gauges->scene->output.gauges[g].mean_over > 0.0;
 }
@@ -77,8 +71,8 @@ void hc_gauges_init(hc_gauges *gauges, hc_comm *comm, const hc_scene *scene, con
                         .mass = mass};
   for (int g = 0; g < count; g++) {
     const hc_scene_gauge *gauge = &scene->output.gauges[g];
-    gauges->state[g].wall = find_wall(scene, gauge->wall);
-    gauges->state[g].body = hc_bodies_of(bodies, find_wall(scene, gauge->body));
+    gauges->state[g].wall = hc_scene_surface_named(scene, gauge->wall);
+    gauges->state[g].body = hc_bodies_of(bodies, hc_scene_surface_named(scene, gauge->body));
     gauges->state[g].radius = gauge->radius > 0.0 ? gauge->radius : frame->support_radius;
     hc_measure_stand(scene, gauge, gauges->state[g].at, gauges->state[g].direction);
     if (has_moving_mean(gauges, g))

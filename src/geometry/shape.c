@@ -276,3 +276,20 @@ void hc_shape_bounds(const hc_shape *shape, double min[3], double max[3]) {
     max[a] = shape->centre[a] + reach;
   }
 }
+
+double hc_shape_nearest_image(double (*distance)(const hc_shape *shape, const double x[3]),
+                              const hc_shape *shape, const double period[3], const double x[3]) {
+  double nearest = INFINITY, from[3];
+  for (int a = 0; a < 3; a++)
+    from[a] = period[a] > 0 ? x[a] - period[a] * (rint((x[a] - shape->centre[a]) / period[a]) + 1) : x[a];
+  double image[3];
+  for (int i = 0; i < (period[0] > 0 ? 3 : 1); i++)
+    for (int j = 0; j < (period[1] > 0 ? 3 : 1); j++)
+      for (int k = 0; k < (period[2] > 0 ? 3 : 1); k++) {
+        image[0] = from[0] + i * period[0];
+        image[1] = from[1] + j * period[1];
+        image[2] = from[2] + k * period[2];
+        nearest = fmin(nearest, distance(shape, image));
+      }
+  return nearest;
+}

@@ -82,4 +82,8 @@ double hc_shape_reach(const hc_shape *shape);
 /* The smallest box that holds a box, cylinder, sphere or surface. */
 void hc_shape_bounds(const hc_shape *shape, double min[3], double max[3]);
 
+/* The least of one of these distances over the images of x, which repeat at `period`, m (0: they do not). */
+double hc_shape_nearest_image(double (*distance)(const hc_shape *shape, const double x[3]),
+                              const hc_shape *shape, const double period[3], const double x[3]);
+
 #endif

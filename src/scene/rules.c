@@ -376,11 +376,15 @@ static void check_radius(const hc_scene *scene, const hc_scene_gauge *gauge, con
                     given->prefix, radius, spacing);
 }
 
+static const hc_scene_body *body_named(const hc_scene *scene, const char *name) {
+  const int number = hc_scene_surface_named(scene, name);
+  return number >= 0 && hc_scene_is_body(scene, number) ? &scene->bodies[number - scene->boundary.wall_count]
+                                                        : NULL;
+}
+
 static void check_gauged_body(const hc_scene *scene, const hc_scene_gauge *gauge, const hc_given *given,
                               hc_complaints *complaints) {
-  const hc_scene_body *body = NULL;
-  for (int k = 0; k < scene->body_count; k++)
-    if (strcmp(scene->bodies[k].surface.name, gauge->body) == 0) body = &scene->bodies[k];
+  const hc_scene_body *const body = body_named(scene, gauge->body);
   if (!body)
     hc_complaints_add(complaints, hc_given_place_of(given, "body"),
                       "%sbody must be the name of a body of the scene, not '%s'", given->prefix, gauge->body);
@@ -398,28 +402,20 @@ static void check_absorption(const hc_scene *scene, const hc_scene_absorption *a
                       "%socean_height must not be given without gravity, which says where up is",
                       given->prefix);
   if (hc_given_is_bad(given, "wall") || !hc_given_has(given, "wall")) return;
-  const hc_wall *wall = NULL;
-  for (int k = 0; k < scene->boundary.wall_count; k++)
-    if (strcmp(scene->boundary.walls[k].name, absorption->wall) == 0) wall = &scene->boundary.walls[k];
-  if (!wall)
+  const int number = hc_scene_surface_named(scene, absorption->wall);
+  if (number < 0 || hc_scene_is_body(scene, number))
     hc_complaints_add(complaints, hc_given_place_of(given, "wall"),
                       "%swall must be the name of a wall of the scene, not '%s'", given->prefix,
                       absorption->wall);
-  else if (wall->motion.type != HC_WALL_STANDS)
+  else if (!hc_scene_stands(scene, number))
     hc_complaints_add(complaints, hc_given_place_of(given, "wall"),
                       "%swall must be one that stands still, not '%s', which has a motion", given->prefix,
                       absorption->wall);
 }
 
-/* One axis, if any, along which gravity acts; -1: it acts aslant. */
-static int axis_of_gravity(const hc_scene *scene) {
-  int axis = -1, count = 0;
-  for (int k = 0; k < 3; k++) {
-    if (scene->gravity[k] == 0.0) continue;
-    axis = k;
-    count++;
-  }
-  return count == 1 ? axis : -1;
+static bool falls_along_an_axis(const hc_scene *scene) {
+  const double *const g = scene->gravity;
+  return (g[0] != 0.0) + (g[1] != 0.0) + (g[2] != 0.0) == 1;
 }
 
 static void check_window(const hc_scene *scene, const hc_given *given, hc_complaints *complaints) {
@@ -430,13 +426,10 @@ static void check_window(const hc_scene *scene, const hc_given *given, hc_compla
       require(given, "window.follow", "with window.wall", complaints);
     return;
   }
-  bool known = false;
-  for (int k = 0; k < scene->body_count; k++)
-    known |= strcmp(scene->bodies[k].surface.name, window->follow) == 0;
-  if (!known && !hc_given_value_of(given, "bodies")->bad)
+  if (!body_named(scene, window->follow) && !hc_given_value_of(given, "bodies")->bad)
     hc_complaints_add(complaints, place, "window.follow must be the name of a body of the scene, not '%s'",
                       window->follow);
-  if (axis_of_gravity(scene) < 0 && !hc_given_is_bad(given, "gravity"))
+  if (!falls_along_an_axis(scene) && !hc_given_is_bad(given, "gravity"))
     hc_complaints_add(complaints, place,
                       "window.follow must not be given unless gravity acts along one axis: across it the "
                       "window goes along");
@@ -474,10 +467,7 @@ static void check_gauge(hc_scene *scene, int index, const hc_given *given, hc_co
       !hc_given_is_bad(given, "box.max"))
     check_rectangle(gauge, given, complaints);
   if (hc_given_has(given, "wall") && !hc_given_is_bad(given, "wall")) {
-    bool known = false;
-    for (int k = 0; k < hc_scene_surfaces(scene); k++)
-      known |= strcmp(hc_scene_surface(scene, k)->name, gauge->wall) == 0;
-    if (!known)
+    if (hc_scene_surface_named(scene, gauge->wall) < 0)
       hc_complaints_add(complaints, hc_given_place_of(given, "wall"),
                         "%swall must be the name of a wall or body of the scene, not '%s'", given->prefix,
                         gauge->wall);

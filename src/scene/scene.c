@@ -75,6 +75,12 @@ const hc_wall *hc_scene_surface(const hc_scene *scene, int number) {
                                          : &scene->boundary.walls[number];
 }
 
+int hc_scene_surface_named(const hc_scene *scene, const char *name) {
+  for (int k = 0; k < hc_scene_surfaces(scene); k++)
+    if (*name && strcmp(hc_scene_surface(scene, k)->name, name) == 0) return k;
+  return -1;
+}
+
 bool hc_scene_stands(const hc_scene *scene, int number) {
   return !hc_scene_is_body(scene, number) && scene->boundary.walls[number].motion.type == HC_WALL_STANDS;
 }

@@ -509,6 +509,9 @@ static inline double hc_scene_shock_rise(const hc_scene *scene) {
 int hc_scene_surfaces(const hc_scene *scene);
 const hc_wall *hc_scene_surface(const hc_scene *scene, int number);
 
+/* The number of the one with that name; -1: there is none, as for an empty name. */
+int hc_scene_surface_named(const hc_scene *scene, const char *name);
+
 /* Is it the surface of a body? Does it stand still for ever? */
 bool hc_scene_is_body(const hc_scene *scene, int number);
 bool hc_scene_stands(const hc_scene *scene, int number);

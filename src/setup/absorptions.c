@@ -14,15 +14,9 @@ hc_source_name hc_setup_absorption_name(const hc_scene *scene, int number) {
   return name;
 }
 
-static int wall_of(const hc_scene *scene, const char *name) {
-  int wall = 0;
-  while (strcmp(scene->boundary.walls[wall].name, name) != 0) wall++;
-  return wall;
-}
-
 static hc_absorber make_absorber(const hc_scene *scene, const hc_setup_plan *plan, int number) {
   const hc_scene_absorption *const given = &scene->absorptions[number];
-  return (hc_absorber){.shape = plan->boundary[wall_of(scene, given->wall)].shape,
+  return (hc_absorber){.shape = plan->boundary[hc_scene_surface_named(scene, given->wall)].shape,
                        .height = given->ocean_height,
                        .nearest = 0.5 * given->inflow_distance * scene->particle_spacing,
                        .density = given->inflow_density,

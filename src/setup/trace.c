@@ -31,21 +31,7 @@ void hc_trace_run(const hc_frame *frame, const hc_sampling *sampling, const hc_t
 
 double hc_trace_distance(const hc_frame *frame, double (*distance)(const hc_shape *shape, const double x[3]),
                          const hc_shape *shape, const double x[3]) {
-  double nearest = INFINITY, from[3], step[3];
-  for (int a = 0; a < 3; a++) {
-    const double period = (double)frame->period[a] * frame->unit[a];
-    const double offset = x[a] - shape->centre[a];
-    step[a] = period;
-    from[a] = period > 0 ? x[a] - period * (rint(offset / period) + 1) : x[a];
-  }
-  double image[3];
-  for (int i = 0; i < (step[0] > 0 ? 3 : 1); i++)
-    for (int j = 0; j < (step[1] > 0 ? 3 : 1); j++)
-      for (int k = 0; k < (step[2] > 0 ? 3 : 1); k++) {
-        image[0] = from[0] + i * step[0];
-        image[1] = from[1] + j * step[1];
-        image[2] = from[2] + k * step[2];
-        nearest = fmin(nearest, distance(shape, image));
-      }
-  return nearest;
+  double period[3];
+  for (int a = 0; a < 3; a++) period[a] = (double)frame->period[a] * frame->unit[a];
+  return hc_shape_nearest_image(distance, shape, period, x);
 }

@@ -40,18 +40,9 @@ static double height_of(const hc_absorption *absorption, const double x[3]) {
 
 /* From x to the wetted surface through the nearest periodic image, m. */
 static double distance_to(const hc_frame *frame, const hc_absorber *absorber, const double x[3]) {
-  double nearest = INFINITY;
-  int images[3];
-  for (int a = 0; a < 3; a++) images[a] = frame->period[a] > 0;
-  for (int i = -images[0]; i <= images[0]; i++)
-    for (int j = -images[1]; j <= images[1]; j++)
-      for (int k = -images[2]; k <= images[2]; k++) {
-        const int image[3] = {i, j, k};
-        double at[3];
-        for (int a = 0; a < 3; a++) at[a] = x[a] + image[a] * (double)frame->period[a] * frame->unit[a];
-        nearest = fmin(nearest, hc_shape_surface_distance(&absorber->shape, at));
-      }
-  return nearest;
+  double period[3];
+  for (int a = 0; a < 3; a++) period[a] = (double)frame->period[a] * frame->unit[a];
+  return hc_shape_nearest_image(hc_shape_surface_distance, &absorber->shape, period, x);
 }
 
 /* ---- places ---- */

@@ -16,12 +16,6 @@ static const double SAME = 0.1;
 
 /* ---- made ---- */
 
-static int body_of(const hc_scene *scene) {
-  int body = 0;
-  while (strcmp(scene->bodies[body].surface.name, scene->window.follow) != 0) body++;
-  return body;
-}
-
 /* From a point, where the scene has the container, to its sides across gravity: is any within a distance? */
 static bool near_sides(const hc_window *window, const double x[3], double distance) {
   int across[3], axes = 0;
@@ -29,10 +23,11 @@ static bool near_sides(const hc_window *window, const double x[3], double distan
     if (window->goes[a]) across[axes++] = a;
   if (-hc_shape_region_distance(&window->shape, x) > distance)
     return false; /* not even the nearest face is */
-  for (int k = 0; k < DIRECTIONS; k++) {
+  const int directions = axes > 1 ? DIRECTIONS : 2;
+  for (int k = 0; k < directions; k++) {
     double at[3] = {x[0], x[1], x[2]};
-    const double turns = (double)k / DIRECTIONS;
-    at[across[0]] += distance * (axes > 1 ? hc_turns_cosine(turns) : k % 2 ? -1.0 : 1.0);
+    const double turns = (double)k / directions;
+    at[across[0]] += distance * hc_turns_cosine(turns);
     if (axes > 1) at[across[1]] += distance * hc_turns_sine(turns);
     if (hc_shape_region_distance(&window->shape, at) >= 0.0) return true;
   }
@@ -59,12 +54,11 @@ hc_status hc_window_make(const hc_scene *scene, const hc_setup_plan *plan, const
   if (!window->there) return HC_OK;
   const hc_frame *const frame = &plan->frame;
   const double spacing = hc_trace_spacing(frame);
-  window->body = body_of(scene);
+  window->body = hc_scene_surface_named(scene, scene->window.follow) - scene->boundary.wall_count;
   window->shape = plan->boundary[0].shape;
   window->trigger = scene->window.trigger * frame->support_radius;
   window->old_distance = scene->window.old_distance * 0.5 * spacing;
   window->new_distance = scene->window.new_distance * frame->support_radius;
-  window->same = SAME * spacing;
   window->source =
       (uint64_t)(scene->fluid.block_count + scene->fluid.emitter_count + scene->absorption_count);
   int axes = 0;
@@ -112,19 +106,16 @@ void hc_window_remember(hc_window *window, const hc_world *world, hc_id_kind kin
 
 void hc_window_adopt(hc_window *window) {
   memcpy(window->places.shift, window->shift, sizeof window->places.shift);
-  memcpy(window->wall, window->shift, sizeof window->wall);
   window->places.moved = true;
 }
 
 void hc_window_pose(hc_window *window, hc_world *world) {
-  if (!window->there) return;
-  hc_places_go(&window->places, &world->frame, window->shift);
-  if (memcmp(window->wall, window->shift, sizeof window->wall) == 0) return;
+  if (!window->there || memcmp(window->places.shift, window->shift, sizeof window->shift) == 0) return;
   int64_t by[3];
-  for (int a = 0; a < 3; a++) by[a] = window->shift[a] - window->wall[a];
+  for (int a = 0; a < 3; a++) by[a] = window->shift[a] - window->places.shift[a];
+  hc_places_go(&window->places, &world->frame, window->shift);
   hc_places_translate(world->boundary, &world->frame, by);
   world->stores[HC_STORE_BOUNDARY].moved = true;
-  memcpy(window->wall, window->shift, sizeof window->wall);
 }
 
 /* ---- going along ---- */
@@ -173,8 +164,9 @@ static bool is_renewed(const hc_window *window, const hc_frame *frame, const int
                new = -hc_shape_region_distance(&window->shape, is);
   if (old <= 0.0 || new <= 0.0) return true;
   const bool near = old < window->old_distance || new < window->new_distance;
-  return near && (fabs(new - old) > window->same || near_sides(window, was, window->old_distance) ||
-                  near_sides(window, is, window->new_distance));
+  return near &&
+         (fabs(new - old) > SAME * hc_trace_spacing(frame) || near_sides(window, was, window->old_distance) ||
+          near_sides(window, is, window->new_distance));
 }
 
 static void take_out(const hc_window *window, hc_world *world) {

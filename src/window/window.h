@@ -24,15 +24,14 @@ typedef struct hc_window {
   hc_shape shape;                             /* the container, where the scene puts it */
   bool goes[3];                               /* the axes along which it goes */
   double trigger, old_distance, new_distance; /* m */
-  double same;                                /* m: a wall that is nearer or farther by less is the same */
   int64_t start[3];                           /* units: of the body at the start */
   int64_t shift[3];                           /* units: how far the window has come; state */
   int64_t count;                              /* how often it has gone along; state */
   int64_t before[3];                          /* the shift before the last time */
   uint64_t source;                            /* in ids of what comes in */
   hc_sample_numbers samples;                  /* of the start */
-  hc_places places;                           /* fluid and air of the start; ids: of kind and number */
-  int64_t wall[3];                            /* units: by how much the wall's samples have gone along */
+  hc_places places; /* fluid and air of the start, gone along as the wall's samples have; ids: kind and number
+                     */
 } hc_window;
 
 /* `plan` is that of the same scene, as are the bodies. Freed with hc_window_free. HC_BAD_INPUT: a body too

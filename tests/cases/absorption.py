@@ -10,10 +10,9 @@ METHODS = {"dfsph": (), "pcisph": ("solver.method=pcisph", "fluid.viscosity.mode
            "wcsph": ("solver.method=wcsph", "fluid.viscosity.model=artificial")}
 
 
-def write(case, name, blocks, absorption="{wall: end, ocean_height: 0.4}", more=""):
+def write(case, name, blocks, absorption="{wall: end, ocean_height: 0.4}"):
     """A trough 1.2 m long, periodic across; its end at x = 1.2 absorbs."""
-    path = case.folder / f"{name}.yaml"
-    path.write_text(f"""
+    return case.write(name, f"""
 particle_spacing: 0.05
 end_time: 1.5
 domain: {{periodic: [false, true, false], min: [0, 0, 0], max: [0, 0.4, 0], leaving: remove}}
@@ -24,8 +23,7 @@ boundary:
     - {{name: end, plane: {{point: [1.2, 0.2, 0.4], normal: [-1, 0, 0], size: [0.4, 1.2]}}, surface_velocity: [0, 0.2, 0]}}
 absorption: [{absorption}]
 output: {{snapshots: {{every: 0.5}}, gauges_every: 0.05, gauges: [{{name: H, type: height, at: [0.9, 0.2]}}, {{name: E, type: energy}}]}}
-{more}""", encoding="utf-8")
-    return path
+""")
 
 
 STILL = "{box: {min: [0, 0, 0], max: [1.2, 0.4, 0.4]}}"
@@ -44,15 +42,9 @@ def bits(case, steps):
     scene = write(case, "away", AWAY)
     for name, method in METHODS.items():
         settings = (*method, f"end_time={0.25 if name == 'wcsph' else 0.5}")
-        plain = case.run(scene, f"{name}_plain", 1, (*settings, "parallel.rebalance=none"))
+        plain = case.same_everywhere(scene, name, settings, (2, 3, 4, 7) if name == "dfsph" else (3,), 9)
         c.expect(counted(plain, "outflow") > 30, f"{counted(plain, 'outflow')} particles went out")
         c.expect(counted(plain, "inflow") > 20, f"{counted(plain, 'inflow')} particles came in")
-        for ranks in (2, 3, 4, 7) if name == "dfsph" else (3,):
-            divided = (*settings, f"parallel.rebalance_every={ranks + 9}", f"parallel.decomposition={'metis' if ranks % 2 else 'slabs'}")
-            case.same(plain, case.run(scene, f"{name}_{ranks}", ranks, divided))
-        far = case.run(scene, f"{name}_far", 2, (*settings, "origin_cells=[1000000,0,-1000000]"))
-        for text in ("steps.csv", "gauges.csv"):
-            c.expect_same_text(plain / text, far / text)
     shocks = [case.run(scene, f"shock_{ranks}", ranks, (*METHODS["pcisph"], "faults.shock_at=60"), ["--steps", 80]) for ranks in (1, 3)]
     case.same(*shocks)
     c.expect(any("rollback" in row["event"] for row in c.steps(shocks[0])), "no step was taken back")
@@ -68,10 +60,7 @@ def restart(case, steps):
         rows = c.steps(whole)
         first = next(int(row["step"]) for row in rows if "inflow" in row["event"])
         for ranks, stop in ((3, first), (1, (first + len(rows)) // 2)):
-            output = case.run(scene, f"{name}_{stop}", ranks, settings, ["--steps", stop])
-            case.call(["run", scene, "-o", output, "--quiet", "--restart", *(word for given in settings for word in ("--set", given))], 2)
-            for text in ("steps.csv", "gauges.csv"):
-                c.expect_same_text(whole / text, output / text)
+            case.goes_on(scene, whole, name, stop, ranks, settings)
     return "stopped as the first came in, and later"
 
 
@@ -99,7 +88,7 @@ def refused(case, steps):
                             (("gravity=[0,0,0]",), "absorption[0].ocean_height must not be given without gravity"),
                             (("boundary.walls[1].motion={type: constant, velocity: [1,0,0]}",), "must be one that stands still")):
         said = case.call(["run", write(case, "still", STILL), "-o", case.folder / "refused", "--quiet",
-                          *(word for setting in settings for word in ("--set", setting))], 2, expected=2)
+                          *c.words(settings)], 2, expected=2)
         c.expect(words in said, f"{settings} is answered by: {said}")
     return "four settings"
 

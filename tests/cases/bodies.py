@@ -62,15 +62,9 @@ def restart(case, steps):
     return f"{', '.join(METHODS)}: stopped half-way on 3 ranks, gone on with on 1: the same bytes"
 
 
-def write(case, name, text):
-    path = case.folder / f"{name}.yaml"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
 def momentum(case, steps):
     """A body thrown through a block of water in empty space: what the one loses the other gains."""
-    scene = write(case, "momentum", """
+    scene = case.write("momentum", """
 particle_spacing: 0.03
 gravity: [0, 0, 0]
 end_time: 0.3
@@ -105,7 +99,7 @@ def draft(case, steps):
     told = []
     for ratio, method in ((0.5, "dfsph"), (0.1, "dfsph"), (0.8, "pcisph"), (0.5, "wcsph"), (0.1, "wcsph"), (0.2, "pcisph")):
         spacing, height, bottom = 0.025, 0.1, 0.2 - ratio * 0.1
-        scene = write(case, f"draft_{ratio}_{method}", f"""
+        scene = case.write(f"draft_{ratio}_{method}", f"""
 particle_spacing: {spacing}
 gravity: [0, 0, -9.81]
 end_time: 1.5
@@ -131,7 +125,7 @@ output:
 
 def tiny(case, steps):
     """Bodies of a sample or a few float, with any solver."""
-    scene = write(case, "tiny", """
+    scene = case.write("tiny", """
 particle_spacing: 0.02
 gravity: [0, 0, -9.81]
 end_time: 0.6
@@ -159,7 +153,7 @@ fluid: {blocks: [{box: {min: [0, 0, 0], max: [0.1, 0.1, 0.05]}}]}
 
 def stack(case, steps):
     """Three boxes on top of each other stand; one on a slope slides if it is steeper than its friction."""
-    scene = write(case, "stack", CUP + """
+    scene = case.write("stack", CUP + """
 particle_spacing: 0.025
 end_time: 1
 boundary:
@@ -199,7 +193,7 @@ output:
 
 def walls(case, steps):
     """Nothing goes through walls or each other at 10 m/s; a ball bounces as its restitution says."""
-    scene = write(case, "walls", CUP + """
+    scene = case.write("walls", CUP + """
 particle_spacing: 0.025
 end_time: 0.5
 boundary:
@@ -272,11 +266,11 @@ def refused(case, steps):
     (case.folder / "open.obj").write_text("v 0.1 0.1 0.3\nv 0.3 0.1 0.3\nv 0.1 0.3 0.3\nv 0.1 0.1 0.5\nf 1 3 2\nf 1 2 4\nf 1 4 3\n",
                                           encoding="ascii")
     for number, (bodies, message) in enumerate(BAD):
-        scene = write(case, f"bad_{number}", TANK + "bodies:\n" + bodies + "\n")
+        scene = case.write(f"bad_{number}", TANK + "bodies:\n" + bodies + "\n")
         said = case.call(["check", scene], 1 if number % 4 else 2, expected=2)
         c.expect(message in said, f"{bodies}: no '{message}' in: {said}")
         c.expect(f"bad_{number}.yaml:" in said, f"{bodies}: no place in: {said}")
-    good = write(case, "good", TANK + GOOD)
+    good = case.write("good", TANK + GOOD)
     case.call(["check", good])
     for settings, message in ((LONG, "than half the period along y, 0.2 m"),
                               (("boundary.method=ihmsen2010", "solver.method=pcisph"), "must be akinci2012 with bodies"),
@@ -331,7 +325,7 @@ def panels_of(picture, told):
 
 def plotted(case, _):
     """plot_run makes films of all snapshots, with the same colours and limits, and pictures that follow a body across a seam."""
-    output = case.run(write(case, "thrown", THROWN), "thrown", 2)
+    output = case.run(case.write("thrown", THROWN), "thrown", 2)
 
     def draw(code, *options, environment=None):
         done = subprocess.run(["/usr/bin/python3", str(c.SOURCE / "scripts/plot_run"), str(output), *map(str, options)], env=environment,

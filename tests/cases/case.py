@@ -35,6 +35,18 @@ def without_leaks(environment):
     return environment.get("ASAN_OPTIONS", "") + ":detect_leaks=0"
 
 
+TILE = """
+particle_spacing: 0.05
+end_time: 1
+domain: {periodic: [true, true, true], min: [0, 0, 0], max: [0.4, 0.4, 0.4]}
+fluid: {blocks: [{box: {min: [0, 0, 0], max: [0.4, 0.4, 0.4]}}]}
+"""
+
+
+def words(settings):
+    return [word for setting in settings for word in ("--set", setting)]
+
+
 class CaseFailed(Exception):
     """A test case that found what should not be; the text says what."""
 
@@ -70,11 +82,21 @@ class Case:
     def run(self, scene, name, ranks=1, settings=(), options=(), environment=None):
         """halocline run of a scene (a path in the source tree); returns the output directory."""
         output = self.folder / name
-        arguments = ["run", SOURCE / scene, "-o", output, "--force", "--quiet"]
-        for setting in settings:
-            arguments += ["--set", setting]
-        self.call([*arguments, *options], ranks, environment=environment)
+        self.call(["run", SOURCE / scene, "-o", output, "--force", "--quiet", *words(settings), *options], ranks, environment=environment)
         return output
+
+    def write(self, name, text):
+        """A scene of the test's own."""
+        path = self.folder / f"{name}.yaml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def rest_state(self, name, settings=()):
+        """A periodic rest state of 0.4 m at a spacing of 0.05 m, made once."""
+        path = self.folder / f"{name}.rest"
+        if not path.exists():
+            self.call(["rest", self.write("tile", TILE), "-o", path, "--quiet", *words(settings)])
+        return path
 
     def diff(self, one, other):
         """halocline diff of two snapshots; a difference is a failure."""
@@ -88,6 +110,26 @@ class Case:
         expect([p.name for p in ours] == [p.name for p in theirs], f"snapshots {ours} and {theirs}")
         for left, right in zip(ours, theirs):
             self.diff(left, right)
+
+
+    def same_everywhere(self, scene, name, settings, ranks, every, options=()):
+        """The same run on one rank, on others with rebalances every so many steps and a few more, and far from the origin: the same
+        bits. Returns the first."""
+        plain = self.run(scene, f"{name}_plain", 1, (*settings, "parallel.rebalance=none"), options)
+        for count in ranks:
+            divided = (*settings, f"parallel.rebalance_every={count + every}", f"parallel.decomposition={'metis' if count % 2 else 'slabs'}")
+            self.same(plain, self.run(scene, f"{name}_{count}", count, divided, options))
+        far = self.run(scene, f"{name}_far", 2, (*settings, "origin_cells=[1000000,0,-1000000]"), options)
+        for text in ("steps.csv", "gauges.csv"):
+            expect_same_text(plain / text, far / text)
+        return plain
+
+    def goes_on(self, scene, whole, name, stop, ranks, settings=()):
+        """Stopped behind a step on some ranks and gone on with on two, a run comes to the bytes of the whole one."""
+        output = self.run(scene, f"{name}_{stop}", ranks, settings, ["--steps", stop])
+        self.call(["run", scene, "-o", output, "--quiet", "--restart", *words(settings)], 2)
+        for text in ("steps.csv", "gauges.csv"):
+            expect_same_text(whole / text, output / text)
 
 
 def snapshots(output):

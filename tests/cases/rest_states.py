@@ -12,33 +12,14 @@ import numpy as np
 
 import case as c
 
-TILE = """
-particle_spacing: 0.05
-end_time: 1
-domain: {periodic: [true, true, true], min: [0, 0, 0], max: [0.4, 0.4, 0.4]}
-fluid: {blocks: [{box: {min: [0, 0, 0], max: [0.4, 0.4, 0.4]}}]}
-"""
 METHODS = {"dfsph": (), "pcisph": ("solver.method=pcisph", "fluid.viscosity.model=artificial"),
            "wcsph": ("solver.method=wcsph", "fluid.viscosity.model=artificial"),
            "ihmsen": ("solver.method=pcisph", "boundary.method=ihmsen2010")}
 
 
-def write(case, name, text):
-    path = case.folder / f"{name}.yaml"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-def words(settings):
-    return [word for setting in settings for word in ("--set", setting)]
-
-
 def tile(case, method="dfsph"):
-    """A rest state of that solver, made once."""
-    path = case.folder / f"{method}.rest"
-    if not path.exists():
-        case.call(["rest", write(case, "tile", TILE), "-o", path, "--quiet", *words(METHODS[method])])
-    return path
+    """A rest state of that solver."""
+    return case.rest_state(method, METHODS[method])
 
 
 def made(case, steps):
@@ -69,7 +50,7 @@ def everything(case, method="dfsph"):
     - {{box: {{min: [0.1, 0.1, 0.1], max: [0.45, 0.5, 0.4]}}, rest_state: {state}, rest_offset: [0.01, 0, 0.03], start: 0.03, replaces: true}}"""
     bodies = "" if method == "ihmsen" else """
 bodies: [{name: ball, sphere: {center: [0.7, 0.3, 0.42], radius: 0.14}, density: 500}]"""
-    return write(case, f"everything_{method}", f"""
+    return case.write(f"everything_{method}", f"""
 particle_spacing: 0.05
 end_time: 0.2
 fluid:
@@ -89,14 +70,8 @@ def bits(case, steps):
     for method in METHODS:
         scene, settings = everything(case, method), (*METHODS[method], "end_time=2")
         options = ["--steps", steps or (300 if method == "dfsph" else 40)]
-        plain = case.run(scene, f"{method}_plain", 1, (*settings, "parallel.rebalance=none"), options)
-        for ranks in (2, 3, 4, 7) if method == "dfsph" else (3,):
-            divided = (*settings, f"parallel.rebalance_every={ranks + 20}",
-                       f"parallel.decomposition={'metis' if ranks % 2 else 'slabs'}")
-            case.same(plain, case.run(scene, f"{method}_{ranks}", ranks, divided, options))
-        far = case.run(scene, f"{method}_far", 2, (*settings, "origin_cells=[1000000,0,-1000000]"), options)
-        for text in ("steps.csv", "gauges.csv"):
-            c.expect_same_text(plain / text, far / text)
+        ranks = (2, 3, 4, 7) if method == "dfsph" else (3,)
+        plain = case.same_everywhere(scene, method, settings, ranks, 20, options)
         if method == "dfsph":
             c.expect(any("refill" in row["event"] for row in c.steps(plain)), "no block came later")
     return "four solvers, DFSPH for 300 steps"
@@ -108,10 +83,7 @@ def restart(case, steps):
     plain = case.run(scene, "plain", 2)
     event = next(int(row["step"]) for row in c.steps(plain) if "refill" in row["event"])
     for ranks, stop in ((3, event - 1), (1, event), (4, event + 5)):
-        output = case.run(scene, f"stop_{stop}", ranks, (), ["--steps", stop])
-        case.call(["run", scene, "-o", output, "--quiet", "--restart"], 2)
-        for text in ("steps.csv", "gauges.csv"):
-            c.expect_same_text(plain / text, output / text)
+        case.goes_on(scene, plain, "stop", stop, ranks)
     return f"stopped before, at and behind step {event}, in which a block comes"
 
 
@@ -135,7 +107,7 @@ def calm(case, steps):
         cut = f"mesh: {{file: box.obj, rotation: {{axis: [1, 0.3, 0.2], angle: 25}}, translation: {place((0.4, 0.4, 0.3))}}}" if name == "tilted" else shape
         found = {}
         for start, block in (("lattice", cut), ("rest", f"{shape}, rest_state: {tile(case)}, rest_offset: [0.013, 0.021, 0.037]")):
-            scene = write(case, f"{name}_{start}", f"""
+            scene = case.write(f"{name}_{start}", f"""
 particle_spacing: 0.05
 end_time: 0.5
 fluid: {{blocks: [{{{block}}}]}}
@@ -158,7 +130,7 @@ def place(middle):
 
 def seams(case, steps):
     """Where a rest state repeats it is as calm as within: over whole periods, and where blocks of it meet."""
-    scene = write(case, "seams", f"""
+    scene = case.write("seams", f"""
 particle_spacing: 0.05
 gravity: [0, 0, 0]
 end_time: 0.3
@@ -184,7 +156,7 @@ output: {{snapshots: {{every: 0.3, fields: [velocity, density]}}}}
 
 def fields(case, steps):
     """Particles of a rest state get their block's velocity, and their number is right in a box without walls."""
-    scene = write(case, "fields", f"""
+    scene = case.write("fields", f"""
 particle_spacing: 0.05
 gravity: [0, 0, 0]
 end_time: 0.01
@@ -196,7 +168,7 @@ output: {{snapshots: {{every: 1, fields: [velocity]}}}}
     c.expect(np.allclose(velocity, [1, 2, 0]), f"velocities from {velocity.min(axis=0)} to {velocity.max(axis=0)}")
     c.expect(abs(len(velocity) / 1536 - 1) < 0.02, f"{len(velocity)} particles for 1536 lattice cells")
     # a block that comes later, high above the tank and fast: the world reaches so far, and the step is short enough at once
-    scene = write(case, "thrown", f"""
+    scene = case.write("thrown", f"""
 particle_spacing: 0.05
 gravity: [0, 0, 0]
 end_time: 0.08
@@ -223,7 +195,7 @@ boundary: {{walls: [{{name: tank, box: {{min: [0, 0, 0], max: [0.8, 0.8, 0.8]}},
 def refused(case, steps):
     """Bad rest states are errors of the scene, on every rank, with their place."""
     good = tile(case)
-    scene = write(case, "good", BOX.format(good))
+    scene = case.write("good", BOX.format(good))
     case.call(["check", scene])
     whole = bytearray(good.read_bytes())
     whole[-100] ^= 1
@@ -232,9 +204,9 @@ def refused(case, steps):
     for name, content in broken.items():
         path = case.folder / f"{name}.rest"
         path.write_bytes(content)
-        said = case.call(["check", write(case, name, BOX.format(path))], 2, expected=2)
+        said = case.call(["check", case.write(name, BOX.format(path))], 2, expected=2)
         c.expect(f"{name}.yaml:" in said and f"{name}.rest" in said, f"{name}: no place in: {said}")
-    other = case.run(write(case, "other", BOX.format(good)), "other", 1, (), ["--steps", 1])
+    other = case.run(case.write("other", BOX.format(good)), "other", 1, (), ["--steps", 1])
     checkpoint = next((other / "checkpoints").glob("*.h5"), None)
     settings = [(("fluid.blocks[0].rest_state=none.rest",), "none.rest"),
                 (("particle_spacing=0.04",), "was made with a particle_spacing of 0.05"),
@@ -251,9 +223,9 @@ def refused(case, steps):
     if checkpoint:
         settings.append(((f"fluid.blocks[0].rest_state={checkpoint}",), "not a rest state"))
     for given, message in settings:
-        said = case.call(["check", scene, *words(given)], expected=2)
+        said = case.call(["check", scene, *c.words(given)], expected=2)
         c.expect(message in said, f"{given}: no '{message}' in: {said}")
-    said = case.call(["run", scene, "-o", case.folder / "x", *words(("fluid.blocks[0].rest_state=none.rest",))], 3, expected=2)
+    said = case.call(["run", scene, "-o", case.folder / "x", *c.words(("fluid.blocks[0].rest_state=none.rest",))], 3, expected=2)
     c.expect(said.count("none.rest: cannot be opened") == 1, f"said {said}")
     return f"{len(broken)} broken files and {len(settings)} that do not go with the scene"
 

@@ -11,12 +11,6 @@ import numpy as np
 
 import case as c
 
-TILE = """
-particle_spacing: 0.05
-end_time: 1
-domain: {periodic: [true, true, true], min: [0, 0, 0], max: [0.4, 0.4, 0.4]}
-fluid: {blocks: [{box: {min: [0, 0, 0], max: [0.4, 0.4, 0.4]}}]}
-"""
 METHODS = {"dfsph": (), "pcisph": ("solver.method=pcisph", "fluid.viscosity.model=artificial"),
            "wcsph": ("solver.method=wcsph", "fluid.viscosity.model=artificial", "time_step.control=global")}
 SHAPES = {"cylinder": "cylinder: {base: [0, 0, 0], axis: [0, 0, 1], radius: 0.8, length: %g}",
@@ -24,23 +18,9 @@ SHAPES = {"cylinder": "cylinder: {base: [0, 0, 0], axis: [0, 0, 1], radius: 0.8,
           "revolution": "revolution: {profile: [[0, 0], [0.8, 0], [%g, %g], [0, %g]]}"}
 
 
-def write(case, name, text):
-    path = case.folder / f"{name}.yaml"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-def words(settings):
-    return [word for setting in settings for word in ("--set", setting)]
-
-
 def tile(case, method):
-    """A rest state of that solver, made once."""
-    path = case.folder / f"{method}.rest"
-    if not path.exists():
-        settings = [setting for setting in METHODS[method] if "time_step" not in setting]
-        case.call(["rest", write(case, "tile", TILE), "-o", path, "--quiet", *words(settings)])
-    return path
+    """A rest state of that solver, whose damped steps have no control."""
+    return case.rest_state(method, [setting for setting in METHODS[method] if "time_step" not in setting])
 
 
 def sea(case, method="dfsph", shape="cylinder", force="[12, 5, 0]"):
@@ -48,7 +28,7 @@ def sea(case, method="dfsph", shape="cylinder", force="[12, 5, 0]"):
     forms = {"cylinder": (SHAPES["cylinder"] % 0.3, SHAPES["cylinder"] % 0.7, "top"), "box": (SHAPES["box"] % 0.3, SHAPES["box"] % 0.7, "+z"),
              "revolution": (SHAPES["revolution"] % (0.95, 0.3, 0.3), SHAPES["revolution"] % (1.15, 0.7, 0.7), None)}
     water, wall, top = forms[shape]
-    return write(case, f"sea_{method}_{shape}", f"""
+    return case.write(f"sea_{method}_{shape}", f"""
 particle_spacing: 0.05
 end_time: 3
 fluid: {{blocks: [{{{water}, rest_state: {tile(case, method)}, rest_offset: [0.01, 0.02, 0.03]}}]}}
@@ -76,15 +56,9 @@ def bits(case, steps):
     for method, shape in (("dfsph", "cylinder"), ("pcisph", "box"), ("wcsph", "revolution")):
         scene = sea(case, method, shape)
         settings = (*METHODS[method], f"end_time={2.2 if method == 'dfsph' else 0.9}")
-        plain = case.run(scene, f"{method}_plain", 1, (*settings, "parallel.rebalance=none"))
+        plain = case.same_everywhere(scene, method, settings, (2, 3, 4, 7) if method == "dfsph" else (3,), 29)
         gone = windows(plain)
         c.expect(len(gone) >= (10 if method == "dfsph" else 2), f"{method}: the window went along in steps {gone}")
-        for ranks in (2, 3, 4, 7) if method == "dfsph" else (3,):
-            divided = (*settings, f"parallel.rebalance_every={ranks + 29}", f"parallel.decomposition={'metis' if ranks % 2 else 'slabs'}")
-            case.same(plain, case.run(scene, f"{method}_{ranks}", ranks, divided))
-        far = case.run(scene, f"{method}_far", 2, (*settings, "origin_cells=[1000000,0,-1000000]"))
-        for text in ("steps.csv", "gauges.csv"):
-            c.expect_same_text(plain / text, far / text)
         if method == "pcisph":  # the step in which it goes along is taken back
             shock = (*settings, f"faults.shock_at={gone[1] - 1}")
             options = ["--steps", gone[1] + 20]
@@ -103,10 +77,7 @@ def restart(case, steps):
         whole = case.run(scene, f"{method}_whole", 2, settings)
         gone = windows(whole)
         for ranks, stop in ((3, gone[1] - 1), (1, gone[1]), (4, (gone[1] + gone[2]) // 2)):
-            output = case.run(scene, f"{method}_{stop}", ranks, settings, ["--steps", stop])
-            case.call(["run", scene, "-o", output, "--quiet", "--restart", *words(settings)], 2)
-            for text in ("steps.csv", "gauges.csv"):
-                c.expect_same_text(whole / text, output / text)
+            case.goes_on(scene, whole, method, stop, ranks, settings)
         told.append(f"{method}: around step {gone[1]} and between {gone[1]} and {gone[2]}")
     return "; ".join(told)
 
@@ -146,7 +117,7 @@ def refused(case, steps):
                                  (("fluid.blocks=[{box: {min: [-0.3, -0.3, 0], max: [0.3, 0.3, 0.2]}}]",), "unless a rest_state fills every block"),
                                  (("boundary.walls[0].inside=solid",), "must be a container"),
                                  (("particle_spacing=0.04",), "spacing")):
-        answer = case.call(["run", scene, "-o", case.folder / "refused", "--quiet", "--force", *words(settings)], 2, expected=2)
+        answer = case.call(["run", scene, "-o", case.folder / "refused", "--quiet", "--force", *c.words(settings)], 2, expected=2)
         c.expect(said in answer, f"{settings} is answered by: {answer}")
     return "seven settings"
 
