@@ -34,6 +34,8 @@ static const hc_choice wall_densities[] = {
     {"sum", HC_WALL_DENSITY_SUM}, {"squared", HC_WALL_DENSITY_SQUARED}, {NULL, 0}};
 static const hc_choice density_corrections[] = {
     {"none", HC_CORRECTION_NONE}, {"shepard", HC_CORRECTION_SHEPARD}, {NULL, 0}};
+static const hc_choice pressure_solves[] = {
+    {"fast", HC_PRESSURE_SOLVE_FAST}, {"paper", HC_PRESSURE_SOLVE_PAPER}, {NULL, 0}};
 static const hc_choice insides[] = {{"fluid", HC_INSIDE_FLUID}, {"solid", HC_INSIDE_SOLID}, {NULL, 0}};
 static const hc_choice faces[] = {{"-x", HC_FACE_MINUS_X}, {"+x", HC_FACE_PLUS_X},  {"-y", HC_FACE_MINUS_Y},
                                   {"+y", HC_FACE_PLUS_Y},  {"-z", HC_FACE_MINUS_Z}, {"+z", HC_FACE_PLUS_Z},
@@ -320,7 +322,9 @@ static const hc_param *chooser_of(const hc_param_table *table, const hc_param *p
 }
 
 bool hc_params_used(const hc_param_table *table, const hc_param *param, const void *owner) {
-  return !param->chooser || param->chosen >> chooser_value(chooser_of(table, param), owner) & 1;
+  if (!param->chooser) return true;
+  const hc_param *const chooser = chooser_of(table, param);
+  return hc_params_used(table, chooser, owner) && param->chosen >> chooser_value(chooser, owner) & 1;
 }
 
 const char *hc_params_choice_name(const hc_choice *choices, int value) {
@@ -332,6 +336,10 @@ const char *hc_params_choice_name(const hc_choice *choices, int value) {
 void hc_params_chooser_text(const hc_param_table *table, const hc_param *param, const void *owner, char *text,
                             size_t size) {
   const hc_param *chooser = chooser_of(table, param);
+  if (!hc_params_used(table, chooser, owner)) {
+    hc_params_chooser_text(table, chooser, owner, text, size);
+    return;
+  }
   const int value = chooser_value(chooser, owner);
   snprintf(text, size, "%s is %s", chooser->path,
            chooser->choices ? hc_params_choice_name(chooser->choices, value)
@@ -420,14 +428,20 @@ static row make_row(const hc_param *param, const char *prefix) {
 
 static const char solver_key[] = "solver.method";
 
+/* Is a key for some of these methods, whatever else decides on it? */
+static bool of_solvers(const hc_param_table *table, const hc_param *param, unsigned solvers) {
+  if (!param->chooser) return true;
+  if (strcmp(param->chooser, solver_key) == 0) return param->chosen & solvers;
+  return of_solvers(table, chooser_of(table, param), solvers);
+}
+
 /* Calls for every visible row of the table and of the tables of its lists: once to measure, once to print.
  * `solvers` has a bit for each method of interest. */
 static void visit(const hc_param_table *table, const char *prefix, unsigned solvers, int width[COLUMNS],
                   FILE *out) {
   for (int k = 0; k < table->count; k++) {
     const hc_param *param = &table->params[k];
-    const bool of_solver = param->chooser && strcmp(param->chooser, solver_key) == 0;
-    if (param->hidden || (of_solver && !(param->chosen & solvers))) continue;
+    if (param->hidden || !of_solvers(table, param, solvers)) continue;
     const row made = make_row(param, prefix);
     for (int c = 0; c < COLUMNS; c++) {
       const int length = (int)strlen(made.text[c]);

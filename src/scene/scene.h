@@ -330,6 +330,7 @@ typedef enum hc_boundary_method {
 typedef enum hc_wall_density { HC_WALL_DENSITY_SUM, HC_WALL_DENSITY_SQUARED } hc_wall_density;
 typedef enum hc_solver_method { HC_SOLVER_DFSPH, HC_SOLVER_PCISPH, HC_SOLVER_WCSPH } hc_solver_method;
 typedef enum hc_density_correction { HC_CORRECTION_NONE, HC_CORRECTION_SHEPARD } hc_density_correction;
+typedef enum hc_pressure_solve { HC_PRESSURE_SOLVE_FAST, HC_PRESSURE_SOLVE_PAPER } hc_pressure_solve;
 typedef enum hc_time_control {
   HC_TIME_CONSTANT,
   HC_TIME_CFL,
@@ -443,6 +444,7 @@ typedef struct hc_scene {
     hc_iterations density_iterations, divergence_iterations;
     double warm_start; /* share of the last step's pressure taken over, 0 to 1 */
     double relaxation; /* of each correction, above 0 to 1 */
+    hc_pressure_solve pressure_solve;
     bool gap_rule;
     int min_divergence_neighbors; /* fewer: the divergence solver leaves the particle alone */
     bool negative_pressure;       /* correct expansion too (closed periodic flows) */

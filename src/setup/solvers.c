@@ -57,6 +57,8 @@ static double relaxation_of(const hc_scene *scene) {
 }
 
 static hc_solver_settings *dfsph_settings(const hc_scene *scene) {
+  const double h2 = scene->support_radius * scene->support_radius, h4 = h2 * h2;
+  const double ratio = scene->particle_spacing / scene->support_radius;
   hc_dfsph_settings *settings = hc_alloc(1, sizeof *settings);
   *settings = (hc_dfsph_settings){.common = common_settings(scene),
                                   .density_error_avg = scene->solver.density_error_avg,
@@ -67,9 +69,31 @@ static hc_solver_settings *dfsph_settings(const hc_scene *scene) {
                                   .divergence_max = scene->solver.divergence_iterations.max,
                                   .warm_start = scene->solver.warm_start,
                                   .relaxation = relaxation_of(scene),
+                                  .fast = scene->solver.pressure_solve == HC_PRESSURE_SOLVE_FAST,
+                                  .gradient_square = hc_setup_rest_lattice_gradient(ratio) / (h4 * h4),
                                   .gap_rule = scene->solver.gap_rule && !scene->solver.negative_pressure,
                                   .min_divergence_neighbors = scene->solver.min_divergence_neighbors};
   return &settings->common;
+}
+
+static void complete_dfsph(hc_scene *scene, bool by_errors, hc_findings *findings) {
+  (void)by_errors;
+  static const int LEAST = 3;
+  const hc_given *given = findings->given;
+  const bool swells = !scene->solver.gap_rule && !scene->solver.negative_pressure;
+  if (!hc_given_has(given, "solver.pressure_solve") && (swells || scene->solver.negative_pressure))
+    scene->solver.pressure_solve = HC_PRESSURE_SOLVE_PAPER;
+  if (scene->solver.pressure_solve == HC_PRESSURE_SOLVE_FAST) {
+    if (swells && !hc_given_is_bad(given, "solver.gap_rule") &&
+        !hc_given_is_bad(given, "solver.pressure_solve"))
+      hc_findings_error(
+          findings, "solver.pressure_solve",
+          "solver.pressure_solve must be paper with solver.gap_rule false, not fast: the better "
+          "that converges, the more water swells as printed");
+    return;
+  }
+  if (!hc_given_has(given, "solver.divergence_iterations.min"))
+    scene->solver.divergence_iterations.min = LEAST;
 }
 
 /* ---- pcisph ---- */
@@ -168,7 +192,7 @@ static const struct {
   hc_solver_settings *(*settings)(const hc_scene *scene);
   void (*complete)(hc_scene *scene, bool by_errors, hc_findings *findings); /* null: nothing to do */
   double (*longest)(const hc_scene *scene);                                 /* stable step, s; null: any */
-} solvers[] = {[HC_SOLVER_DFSPH] = {&hc_solver_dfsph, dfsph_settings, NULL, NULL},
+} solvers[] = {[HC_SOLVER_DFSPH] = {&hc_solver_dfsph, dfsph_settings, complete_dfsph, NULL},
                [HC_SOLVER_PCISPH] = {&hc_solver_pcisph, pcisph_settings, complete_pcisph, NULL},
                [HC_SOLVER_WCSPH] = {&hc_solver_wcsph, wcsph_settings, complete_wcsph, wcsph_longest}};
 

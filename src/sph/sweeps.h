@@ -130,6 +130,30 @@ typedef struct hc_error_total {
   bool not_finite; /* an error was no number or beyond 2^30 */
 } hc_error_total;
 
+/* Multipliers on trial, while conjugate directions look for those that leave no compression
+ * (solver/conjugate.h). Velocities have come about with y; K is what the search has settled on, e_b the error
+ * it expects there. Own particles in order. */
+typedef struct hc_trial {
+  float dt;               /* s: e = D - 1 + dt dD/dt */
+  float *multiplier;      /* y, m2 */
+  float *base, *expected; /* K, m2; e_b */
+  float least;            /* of multipliers: 0; with negative pressures all may be */
+  double unit;            /* of the products' sums, m2 */
+  float relaxation;       /* of alpha */
+} hc_trial;
+
+/* Products over own particles, in the trial's units, rounded each by itself, so that sums do not depend on
+ * the order; s = y - K, e at y; those with alpha over particles with y > least or e > 0. */
+typedef struct hc_trial_sums {
+  uint64_t step_expected, step_found;                      /* s e_b; s (e_b - e) */
+  uint64_t expected_expected, expected_found, found_found; /* alpha e_b e_b, alpha e_b e, alpha e e */
+} hc_trial_sums;
+
+/* Where the next trial is: K += reach s, e_b += reach (e - e_b), then y = K + length (alpha e_b + turn s). */
+typedef struct hc_turn {
+  float reach, length, turn;
+} hc_turn;
+
 enum { HC_WALL_WEIGHTS = 64 }; /* steps of the table of weights */
 
 /* What the sweeps over predicted positions (PCISPH) read. */
@@ -174,6 +198,16 @@ typedef struct hc_sweeps {
    * al. 2023, eq. 2 and algorithms 3, 4. */
   void (*error)(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
                 hc_error_total *total);
+
+  /* The same for multipliers on trial: place.scalar = e_i = D_i - 1 + dt dD/dt, with its sign; adds e_i to
+   * the total where positive, or its size where multipliers may be; and products to the sums, unless null. */
+  void (*trial_error)(const hc_sweep *sweep, const hc_trial *trial, hc_selection selection,
+                      hc_error_total *total, hc_trial_sums *sums);
+
+  /* From place.scalar = e_i to the next trial: K and e_b are entered, and place.scalar = y - y before, which
+   * pressure adds to y. */
+  void (*next_trial)(const hc_sweep *sweep, const hc_trial *trial, const hc_turn *turn,
+                     hc_selection selection);
 
   /* v_i -= weight (V sum (kappa_i + kappa_j) grad W + kappa_i B) with kappa = place.scalar; multiplier_i +=
    * kappa_i. Carensac et al. 2023, eq. 1. */

@@ -2,6 +2,7 @@
  * See sweeps.h for what each computes, pairs.h for how. */
 #include "error_rule.h"
 #include "pairs.h"
+#include "trial_rule.h"
 
 /* What walls add to. */
 static void expect_wall_fields(const hc_sweep *sweep) {
@@ -93,44 +94,82 @@ static void wall_sums(const hc_sweep *sweep, hc_selection selection) {
   }
 }
 
+/* dD/dt of a block without the constant: sum (v_i - v_j) . grad W over fluid neighbours. */
+static void sum_rates(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
+                      block_sums *rates) {
+  const hc_particles *fluid = sweep->fluid;
+  for (int32_t k = 0; k < count; k++) {
+    const int32_t i = hc_selected(selection, first + k);
+    const self own = make_self(sweep, &fluid->place[i]);
+    const vector velocity = spread_velocity(&fluid->motion[i]);
+    const row row = row_of(sweep->list, hc_row_of(selection, first + k));
+    sums sum = {{{0}}};
+    for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
+      for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
+        const int32_t at = pass + part * HC_GROUP;
+        const pair p = load_pair(&own, fluid->place, row.offset + at);
+        hc_float unused;
+        const vector other = load_velocity(fluid->motion, row.offset + at, &unused);
+        const vector relative = relative_velocity(&velocity, &other);
+        const hc_float factor = hc_keep_groups(slope_over_q(p.q), row.entries - at);
+        sum.part[part] = hc_fma(factor, dot_pair(&relative, &p), sum.part[part]);
+      }
+    }
+    hc_store_lanes(sum.part, rates->lanes[k]);
+  }
+  add_up(rates, count);
+}
+
+/* What walls add to dD/dt of a particle. */
+HC_INLINE float wall_rate_of(const hc_sweep *sweep, int32_t i) {
+  const hc_particles *fluid = sweep->fluid;
+  const float *wall = &fluid->wall_gradient[3 * (size_t)i], *v = fluid->motion[i].v;
+  const float of_walls = sweep->walls_move ? fluid->wall_rate[i] : 0.0f;
+  return v[0] * wall[0] + v[1] * wall[1] + v[2] * wall[2] - of_walls;
+}
+
+static void expect_rates(const hc_sweep *sweep, hc_selection selection) {
+  expect_ready(sweep->fluid, HC_WHOLE(place) | HC_WHOLE(motion), sweep->fluid, selection);
+  expect_wall_fields(sweep);
+  EXPECT_FIELD(sweep->fluid, alpha);
+}
+
 static void error(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
                   hc_error_total *total) {
-  const hc_particles *fluid = sweep->fluid;
-  expect_ready(fluid, HC_WHOLE(place) | HC_WHOLE(motion), fluid, selection);
-  expect_wall_fields(sweep);
-  EXPECT_FIELD(fluid, alpha);
+  expect_rates(sweep, selection);
   const float weight = sweep->volume * sweep->gradient;
   const float per_density = 1.0f / sweep->rest_density;
   block_sums rates;
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
+    sum_rates(sweep, selection, first, count, &rates);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = hc_selected(selection, first + k);
-      const self own = make_self(sweep, &fluid->place[i]);
-      const vector velocity = spread_velocity(&fluid->motion[i]);
-      const row row = row_of(sweep->list, hc_row_of(selection, first + k));
-      sums sum = {{{0}}};
-      for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
-        for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
-          const int32_t at = pass + part * HC_GROUP;
-          const pair p = load_pair(&own, fluid->place, row.offset + at);
-          hc_float unused;
-          const vector other = load_velocity(fluid->motion, row.offset + at, &unused);
-          const vector relative = relative_velocity(&velocity, &other);
-          const hc_float factor = hc_keep_groups(slope_over_q(p.q), row.entries - at);
-          sum.part[part] = hc_fma(factor, dot_pair(&relative, &p), sum.part[part]);
-        }
-      }
-      hc_store_lanes(sum.part, rates.lanes[k]);
+      hc_error_apply(sweep, rule, per_density, first + k, i, weight * rates.total[k] + wall_rate_of(sweep, i),
+                     total);
     }
-    add_up(&rates, count);
+  }
+}
+
+static void trial_error(const hc_sweep *sweep, const hc_trial *trial, hc_selection selection,
+                        hc_error_total *total, hc_trial_sums *sums) {
+  hc_particles *fluid = sweep->fluid;
+  expect_rates(sweep, selection);
+  const float weight = sweep->volume * sweep->gradient;
+  const float per_density = 1.0f / sweep->rest_density;
+  block_sums rates;
+  float errors[BLOCK];
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
+    sum_rates(sweep, selection, first, count, &rates);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = hc_selected(selection, first + k);
-      const float *wall = &fluid->wall_gradient[3 * (size_t)i], *v = fluid->motion[i].v;
-      const float of_walls = sweep->walls_move ? fluid->wall_rate[i] : 0.0f;
-      const float wall_rate = v[0] * wall[0] + v[1] * wall[1] + v[2] * wall[2] - of_walls;
-      hc_error_apply(sweep, rule, per_density, first + k, i, weight * rates.total[k] + wall_rate, total);
+      const float rate = weight * rates.total[k] + wall_rate_of(sweep, i);
+      errors[k] = fluid->density[i] * per_density - 1.0f + trial->dt * rate;
+      fluid->place[i].scalar = errors[k];
     }
+    note_errors(trial, errors, count, total);
+    if (sums) note_products(sweep, trial, errors, selection, first, count, sums);
   }
 }
 
@@ -178,6 +217,8 @@ const hc_sweeps *HC_ISA_SYMBOL(hc_sweeps)(void) {
   static const hc_sweeps sweeps = {.density = density,
                                    .wall_sums = wall_sums,
                                    .error = error,
+                                   .trial_error = trial_error,
+                                   .next_trial = next_trial,
                                    .pressure = pressure,
                                    .xsph = HC_ISA_SYMBOL(hc_xsph),
                                    .laminar = HC_ISA_SYMBOL(hc_laminar),

@@ -141,8 +141,8 @@ START_TEST(test_defaults) {
       "        mass_factor: 1, blocks: []}\n"
       "boundary: {method: akinci2012, volume_factor: computed, walls: []}\n"
       "solver: {method: dfsph, density_error_avg: 0.0001, divergence_error: 0.001,\n"
-      "         density_iterations: {min: 2, max: 100}, divergence_iterations: {min: 3, max: 100},\n"
-      "         warm_start: 0.5, min_divergence_neighbors: 20, negative_pressure: false}\n"
+      "         density_iterations: {min: 2, max: 100}, divergence_iterations: {min: 1, max: 100},\n"
+      "         pressure_solve: fast, min_divergence_neighbors: 20, negative_pressure: false}\n"
       "time_step: {control: cfl, factor: 0.4, max: computed, min: 0}\n"
       "output: {snapshots: {every: 0.05, fields: [velocity, density, pressure]}}\n"
       "parallel: {decomposition: slabs, rebalance: metis, rebalance_above: 1.1, rebalance_at: 0,\n"
@@ -592,7 +592,9 @@ START_TEST(test_unused_keys) {
       {"fluid: {viscosity: {model: artificial, sound_speed: 1}}", NULL},
       {"fluid: {kinematic_viscosity: 1.0e-5, viscosity: {model: smagorinsky, coefficient: 0.1}}", NULL},
       {"domain: {periodic: [false, true, false], min: [0, 0, 0], max: [1, 1, 1]}", NULL},
-      {"solver: {warm_start: 0}", NULL},
+      {"solver: {pressure_solve: paper, warm_start: 0}", NULL},
+      {"solver: {warm_start: 0}", "22: solver.warm_start is not used: solver.pressure_solve is fast"},
+      {"solver: {warm_start: 0, method: pcisph}", "22: solver.warm_start is not used: solver.method is pcisph"},
   };
   for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
     warn_line(cases[k].given, NULL, cases[k].message);

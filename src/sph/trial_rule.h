@@ -1,0 +1,97 @@
+/* Multipliers on trial: what the error sweep adds up of a block, and the pass from one trial to the next. */
+#ifndef HC_TRIAL_RULE_H
+#define HC_TRIAL_RULE_H
+
+#include "error_rule.h"
+#include "pairs.h"
+
+/* The nearest integer of a number below 2^51 in size, of halves the even one, in vectors of any kind: the sum
+ * has the integer in its last bits. */
+HC_INLINE uint64_t to_integer(double value) {
+  static const double SHIFT = 0x1.8p52;
+  const double sum = value + SHIFT;
+  uint64_t bits, zero;
+  memcpy(&bits, &sum, sizeof bits);
+  memcpy(&zero, &SHIFT, sizeof zero);
+  return bits - zero;
+}
+
+/* Adds a block's errors to a total as hc_error_note does: all at once where all are small. */
+HC_INLINE void note_errors(const hc_trial *trial, const float *errors, int32_t count, hc_error_total *total) {
+  static const float SMALL = 0x1p20f;
+  const float sign = trial->least < 0.0f ? -1.0f : 0.0f;
+  float most = 0.0f;
+  int32_t large = 0;
+  uint64_t sum = 0;
+  for (int32_t k = 0; k < count; k++) {
+    const float other = sign * errors[k], size = errors[k] > other ? errors[k] : other;
+    large |= !(errors[k] < SMALL && errors[k] > -SMALL);
+    most = size > most ? size : most;
+    sum += to_integer((double)size * HC_ERROR_UNITS);
+  }
+  if (!large) {
+    total->sum += (__int128)sum;
+    total->max = most > total->max ? most : total->max;
+    return;
+  }
+  for (int32_t k = 0; k < count; k++)
+    hc_error_note(errors[k] > 0.0f || !(errors[k] <= 0.0f) ? errors[k] : sign * errors[k], total);
+}
+
+/* A product in units; beyond 2^45 of them it counts as so many. */
+HC_INLINE uint64_t product(float a, float b, double units) {
+  static const double MOST = 0x1p45;
+  const double value = (double)a * (double)b * units;
+  const double below = value < MOST ? value : MOST;
+  return to_integer(below > -MOST ? below : -MOST);
+}
+
+HC_INLINE void note_products(const hc_sweep *sweep, const hc_trial *trial, const float *found,
+                             hc_selection selection, int32_t first, int32_t count, hc_trial_sums *sums) {
+  const double units = 1.0 / trial->unit;
+  const float *const alphas = sweep->fluid->alpha;
+  float alpha[BLOCK], step[BLOCK], expected[BLOCK];
+  for (int32_t k = 0; k < count; k++) {
+    const int32_t i = hc_selected(selection, first + k);
+    const float y = trial->multiplier[i];
+    expected[k] = trial->expected[i];
+    step[k] = y - trial->base[i];
+    alpha[k] = y > trial->least || found[k] > 0.0f ? alphas[i] : 0.0f;
+  }
+  hc_trial_sums block = {0};
+  for (int32_t k = 0; k < count; k++) {
+    const float of_expected = alpha[k] * expected[k];
+    block.step_expected += product(step[k], expected[k], units);
+    block.step_found += product(step[k], expected[k] - found[k], units);
+    block.expected_expected += product(of_expected, expected[k], units);
+    block.expected_found += product(of_expected, found[k], units);
+    block.found_found += product(alpha[k] * found[k], found[k], units);
+  }
+  sums->step_expected += block.step_expected;
+  sums->step_found += block.step_found;
+  sums->expected_expected += block.expected_expected;
+  sums->expected_found += block.expected_found;
+  sums->found_found += block.found_found;
+}
+
+static void next_trial(const hc_sweep *sweep, const hc_trial *trial, const hc_turn *turn,
+                       hc_selection selection) {
+  const float *const alpha = sweep->fluid->alpha;
+  hc_record *const place = sweep->fluid->place;
+  const float least = trial->least, relaxation = trial->relaxation;
+  float *const base = trial->base, *const expected = trial->expected;
+  const float *const multiplier = trial->multiplier;
+  for (int32_t row = selection.begin; row < selection.end; row++) {
+    const int32_t i = hc_selected(selection, row);
+    const float found = place[i].scalar, y = multiplier[i], step = y - base[i];
+    const float from = base[i] + turn->reach * step, at = from > least ? from : least;
+    const float error = expected[i] + turn->reach * (found - expected[i]);
+    const float direction = relaxation * alpha[i] * error + turn->turn * step;
+    const float to = at + turn->length * (at > least || error > 0.0f ? direction : 0.0f);
+    base[i] = at;
+    expected[i] = error;
+    place[i].scalar = (to > least ? to : least) - y;
+  }
+}
+
+#endif
