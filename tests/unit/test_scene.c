@@ -594,7 +594,8 @@ START_TEST(test_unused_keys) {
       {"domain: {periodic: [false, true, false], min: [0, 0, 0], max: [1, 1, 1]}", NULL},
       {"solver: {pressure_solve: paper, warm_start: 0}", NULL},
       {"solver: {warm_start: 0}", "22: solver.warm_start is not used: solver.pressure_solve is fast"},
-      {"solver: {warm_start: 0, method: pcisph}", "22: solver.warm_start is not used: solver.method is pcisph"},
+      {"solver: {warm_start: 0, method: pcisph}",
+       "22: solver.warm_start is not used: solver.method is pcisph"},
   };
   for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
     warn_line(cases[k].given, NULL, cases[k].message);
