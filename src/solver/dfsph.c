@@ -34,9 +34,10 @@ static void store_pressure(hc_particles *fluid, double rest_density, double dt) 
         of_density * fluid->pressure_multiplier[i] + of_divergence * fluid->divergence_multiplier[i];
 }
 
-/* Algorithm 4: the average of positive density rates goes below divergence_error/dt. */
+/* Algorithm 4: the average of positive density rates goes below divergence_error/dt. What then smooths
+ * velocities is found with the errors they have. */
 static hc_solved correct_divergence_error(hc_world *world, hc_yield *yield, const hc_dfsph_settings *settings,
-                                          double dt, double dt_before) {
+                                          double dt, double dt_before, const hc_smoothing *smoothing) {
   const hc_solve solve = {
       .world = world,
       .yield = yield,
@@ -51,7 +52,8 @@ static hc_solved correct_divergence_error(hc_world *world, hc_yield *yield, cons
       .rates_known = true,
       .threshold = settings->divergence_error / dt,
       .min = settings->divergence_min,
-      .max = settings->divergence_max};
+      .max = settings->divergence_max,
+      .smoothing = smoothing->change ? smoothing : NULL};
   return hc_solve_diagonal(&solve);
 }
 
@@ -81,9 +83,9 @@ static hc_solved correct_density_error(hc_world *world, hc_yield *yield, const h
 
 /* v += dt * non-pressure accelerations, and what walls do beside them; ghosts too. */
 static void apply_forces(hc_world *world, const hc_solver_settings *settings, double dt,
-                         hc_step_report *report) {
+                         const hc_smoothing *smoothed, hc_step_report *report) {
   const int32_t border = world->fluid->border, own = world->fluid->own;
-  const float *change = hc_find_forces(world, settings, dt, world->listed);
+  const float *change = hc_find_forces(world, settings, dt, smoothed, world->listed);
   hc_accelerate(world, settings, change, dt, 0, border);
   hc_wall_layer_act(world, settings, dt, 0, border);
   hc_hold_still(world, 0, border);
@@ -116,11 +118,12 @@ static hc_status step(hc_world *world, hc_bodies *bodies, const hc_solver_settin
 
   /* correctDivergenceError(alpha, v) */
   hc_stopwatch_enter(&world->watch, HC_STAGE_DIVERGENCE);
-  const hc_solved divergence = correct_divergence_error(world, &yield, own, dt, dt_before);
+  const hc_smoothing smoothing = hc_find_forces_ahead(world, settings);
+  const hc_solved divergence = correct_divergence_error(world, &yield, own, dt, dt_before, &smoothing);
 
   hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);
   if (!divergence.broken) {
-    apply_forces(world, settings, dt, report);
+    apply_forces(world, settings, dt, &smoothing, report);
     hc_yield_accelerate(&yield);
   }
 

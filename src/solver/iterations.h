@@ -11,12 +11,13 @@ typedef struct hc_solve {
   hc_world *world;
   hc_yield *yield;
   hc_error_rule rule;
-  float weight;      /* of velocity corrections: 1 or 1/dt */
-  float *multiplier; /* K or k; with the last step's to start from */
-  float warm;        /* share of these */
-  bool rates_known;  /* dD/dt of all are there, from the density sweep */
-  double threshold;  /* of the average error */
-  int min, max;      /* iterations */
+  float weight;                  /* of velocity corrections: 1 or 1/dt */
+  float *multiplier;             /* K or k; with the last step's to start from */
+  float warm;                    /* share of these */
+  bool rates_known;              /* dD/dt of all are there, from the density sweep */
+  double threshold;              /* of the average error */
+  int min, max;                  /* iterations */
+  const hc_smoothing *smoothing; /* diagonal: what is found along with the errors; null: nothing */
 } hc_solve;
 
 typedef struct hc_solved {

@@ -60,12 +60,18 @@ static void viscous_change(hc_world *world, const hc_solver_settings *settings, 
 }
 
 float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, double dt,
-                      hc_selection selection) {
+                      const hc_smoothing *smoothed, hc_selection selection) {
   float *change = hc_particles_scratch(world->fluid, 3 * sizeof *change);
-  viscous_change(world, settings, dt, change, selection);
+  if (!smoothed || !smoothed->change) viscous_change(world, settings, dt, change, selection);
   if (settings->surface_tension > 0.0)
     world->sweeps->cohesion(&world->sweep, (float)(settings->surface_tension * dt), change, selection);
   return change;
+}
+
+hc_smoothing hc_find_forces_ahead(hc_world *world, const hc_solver_settings *settings) {
+  if (settings->viscosity != HC_VISCOUS_XSPH) return (hc_smoothing){.change = NULL};
+  return (hc_smoothing){(float)settings->viscosity_coefficient,
+                        hc_particles_scratch(world->fluid, 3 * sizeof(float))};
 }
 
 /* From the centre of the central force to a particle, m; along periodic axes there is no centre. */

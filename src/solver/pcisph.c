@@ -285,7 +285,7 @@ static hc_status advance(hc_world *world, hc_bodies *bodies, const hc_solver_set
   find_densities(&step);
   start(&step);
   leave_for_later(&step, dt_before);
-  const float *change = hc_find_forces(world, settings, dt, world->listed);
+  const float *change = hc_find_forces(world, settings, dt, NULL, world->listed);
   for (int32_t i = 0; i < world->fluid->own; i++) {
     double force[3];
     hc_body_force(world, settings, i, force);

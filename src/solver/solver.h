@@ -150,8 +150,13 @@ void hc_solver_tell_caps(const hc_solver_caps *caps, char *text, size_t size);
 /* Shared by the solvers (motion.c). */
 
 /* Velocity changes of selected own particles by non-pressure forces but gravity over dt, three a particle, in
- * the store's scratch. Ghost velocities and, for xsph, inverse densities must be current. Local. */
-float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, double dt, hc_selection selection);
+ * the store's scratch. Ghost velocities and, for xsph, inverse densities must be current. `smoothed`: xsph of
+ * these velocities is there, null: nothing is. Local. */
+float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, double dt,
+                      const hc_smoothing *smoothed, hc_selection selection);
+
+/* For a sweep that finds xsph before hc_find_forces is called: where; change is null where there is none. */
+hc_smoothing hc_find_forces_ahead(hc_world *world, const hc_solver_settings *settings);
 
 /* The acceleration of own particle i by gravity and the central force. Local. */
 void hc_body_force(const hc_world *world, const hc_solver_settings *settings, int32_t i, double force[3]);

@@ -30,7 +30,7 @@ static float *find_changes(hc_world *world, const hc_weak_settings *settings, fl
     viscosity = (float)(others.viscosity_coefficient * world->frame.support_radius * others.sound_speed);
     others.viscosity = HC_VISCOUS_NONE;
   }
-  float *change = hc_find_forces(world, &others, settings->longest, selection);
+  float *change = hc_find_forces(world, &others, settings->longest, NULL, selection);
   hc_wall_layer_add(world, &settings->common, settings->longest, change, selection);
   world->sweeps->weak_forces(&world->sweep, viscosity, (float)settings->longest, change, rate, selection);
   return change;

@@ -2,12 +2,11 @@
 
 #include <string.h>
 
-void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
-                        hc_error_total *total) {
+void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection) {
   const float per_density = 1.0f / sweep->rest_density;
   for (int32_t row = selection.begin; row < selection.end; row++) {
     const int32_t i = hc_selected(selection, row);
-    hc_error_apply(sweep, rule, per_density, row, i, sweep->fluid->place[i].scalar, total);
+    hc_error_apply(sweep, rule, per_density, row, i, sweep->fluid->place[i].scalar);
   }
 }
 

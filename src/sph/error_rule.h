@@ -18,8 +18,9 @@ static inline void hc_error_note(float size, hc_error_total *total) {
   if (size > total->max) total->max = size;
 }
 
-static inline void hc_error_apply(const hc_sweep *sweep, const hc_error_rule *rule, float per_density,
-                                  int32_t row, int32_t i, float rate, hc_error_total *total) {
+/* A particle's error by the rule; its multiplier goes to place.scalar. */
+static inline float hc_error_apply(const hc_sweep *sweep, const hc_error_rule *rule, float per_density,
+                                   int32_t row, int32_t i, float rate) {
   hc_particles *fluid = sweep->fluid;
   const float excess = fluid->density[i] * per_density - 1.0f;
   float e = rule->of_density * excess + rule->of_rate * rate;
@@ -29,12 +30,11 @@ static inline void hc_error_apply(const hc_sweep *sweep, const hc_error_rule *ru
     e = 0.0f;
   if (e < 0.0f && !rule->signed_error) e = 0.0f;
   fluid->place[i].scalar = rule->relaxation * fluid->alpha[i] * e;
-  hc_error_note(fabsf(e), total);
+  return e;
 }
 
-/* The end of an error sweep for particles whose place.scalar already holds dD/dt. */
-void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
-                        hc_error_total *total);
+/* The end of an error sweep for particles whose place.scalar already holds dD/dt; nothing is added up. */
+void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection);
 
 /* The sum as an exact sum, NaN if an error was not finite. */
 hc_sum hc_error_sum(const hc_error_total *total);

@@ -17,7 +17,7 @@ typedef void viscous_pair(vector_sums *sum, int part, const viscous_self *own, c
 
 HC_INLINE void pair_xsph(vector_sums *sum, int part, const viscous_self *own, const pair *p,
                          const vector *relative, hc_float volume, hc_float inverse_density) {
-  add_scaled(sum, part, volume * (own->inverse_density + inverse_density) * kernel(p->q), relative);
+  add_xsph(sum, part, p, relative, volume, own->inverse_density + inverse_density);
 }
 
 HC_INLINE void pair_laminar(vector_sums *sum, int part, const viscous_self *own, const pair *p,
@@ -174,8 +174,7 @@ HC_INLINE void viscous(const hc_sweep *sweep, viscous_pair *add, wall_part walls
 static const hc_eddies no_eddies = {0};
 
 void HC_ISA_SYMBOL(hc_xsph)(const hc_sweep *sweep, float weight, float *change, hc_selection selection) {
-  viscous(sweep, pair_xsph, NO_WALLS, SET_CHANGE, &no_eddies, -0.5f * weight * sweep->kernel, change,
-          selection);
+  viscous(sweep, pair_xsph, NO_WALLS, SET_CHANGE, &no_eddies, xsph_scale(sweep, weight), change, selection);
 }
 
 void HC_ISA_SYMBOL(hc_laminar)(const hc_sweep *sweep, float weight, float *change, hc_selection selection) {

@@ -132,6 +132,17 @@ HC_INLINE hc_float dot_pair(const vector *v, const pair *p) {
   return hc_fma(v->z, p->z, hc_fma(v->y, p->y, v->x * p->x));
 }
 
+/* A pair of xsph; `volume` is the neighbours', 0 in lanes to drop. */
+HC_INLINE void add_xsph(vector_sums *sum, int part, const pair *p, const vector *relative, hc_float volume,
+                        hc_float inverse_densities) {
+  add_scaled(sum, part, volume * inverse_densities * kernel(p->q), relative);
+}
+
+/* What its sums are weighed with. */
+HC_INLINE float xsph_scale(const hc_sweep *sweep, float weight) {
+  return -0.5f * weight * sweep->kernel;
+}
+
 HC_INLINE vector relative_velocity(const vector *own, const vector *other) {
   return (vector){own->x - other->x, own->y - other->y, own->z - other->z};
 }

@@ -130,6 +130,11 @@ typedef struct hc_error_total {
   bool not_finite; /* an error was no number or beyond 2^30 */
 } hc_error_total;
 
+/* XSPH found along with errors: change (three of each own particle) as the sweep xsph finds it. */
+typedef struct hc_smoothing {
+  float weight, *change;
+} hc_smoothing;
+
 /* Multipliers on trial, while conjugate directions look for those that leave no compression
  * (solver/conjugate.h). Velocities have come about with y; K is what the search has settled on, e_b the error
  * it expects there. Own particles in order. */
@@ -199,8 +204,13 @@ typedef struct hc_sweeps {
   void (*error)(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
                 hc_error_total *total);
 
-  /* The same for multipliers on trial: place.scalar = e_i = D_i - 1 + dt dD/dt, with its sign; adds e_i to
-   * the total where positive, or its size where multipliers may be; and products to the sums, unless null. */
+  /* The same, and the change by xsph (below) of these velocities with it. */
+  void (*error_and_xsph)(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
+                         hc_error_total *total, const hc_smoothing *smoothing);
+
+  /* The same as error for multipliers on trial: place.scalar = e_i = D_i - 1 + dt dD/dt, with its sign; adds
+   * e_i to the total where positive, or its size where multipliers may be; and products to the sums, unless
+   * null. */
   void (*trial_error)(const hc_sweep *sweep, const hc_trial *trial, hc_selection selection,
                       hc_error_total *total, hc_trial_sums *sums);
 

@@ -94,30 +94,39 @@ static void wall_sums(const hc_sweep *sweep, hc_selection selection) {
   }
 }
 
-/* dD/dt of a block without the constant: sum (v_i - v_j) . grad W over fluid neighbours. */
-static void sum_rates(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
-                      block_sums *rates) {
+/* dD/dt of a block without the constant: sum (v_i - v_j) . grad W over fluid neighbours; and, unless null,
+ * the sums of xsph with it. */
+HC_INLINE void sum_rates(const hc_sweep *sweep, hc_selection selection, int32_t first, int32_t count,
+                         block_sums *rates, block_vectors *smoothing) {
   const hc_particles *fluid = sweep->fluid;
+  const hc_float volume = hc_set(sweep->volume);
   for (int32_t k = 0; k < count; k++) {
     const int32_t i = hc_selected(selection, first + k);
     const self own = make_self(sweep, &fluid->place[i]);
     const vector velocity = spread_velocity(&fluid->motion[i]);
     const row row = row_of(sweep->list, hc_row_of(selection, first + k));
+    const hc_float own_inverse = hc_set(fluid->motion[i].scalar);
     sums sum = {{{0}}};
+    vector_sums smooth = no_sums();
     for (int32_t pass = 0; pass < row.entries; pass += 2 * HC_GROUP) {
       for (int part = 0; part < HC_PARTS && pass + part * HC_GROUP < row.entries; part++) {
         const int32_t at = pass + part * HC_GROUP;
         const pair p = load_pair(&own, fluid->place, row.offset + at);
-        hc_float unused;
-        const vector other = load_velocity(fluid->motion, row.offset + at, &unused);
+        hc_float inverse;
+        const vector other = load_velocity(fluid->motion, row.offset + at, &inverse);
         const vector relative = relative_velocity(&velocity, &other);
         const hc_float factor = hc_keep_groups(slope_over_q(p.q), row.entries - at);
         sum.part[part] = hc_fma(factor, dot_pair(&relative, &p), sum.part[part]);
+        if (smoothing)
+          add_xsph(&smooth, part, &p, &relative, hc_keep_groups(volume, row.entries - at),
+                   own_inverse + inverse);
       }
     }
     hc_store_lanes(sum.part, rates->lanes[k]);
+    if (smoothing) store_vector(smoothing, k, &smooth);
   }
   add_up(rates, count);
+  if (smoothing) add_up_vectors(smoothing, count);
 }
 
 /* What walls add to dD/dt of a particle. */
@@ -134,42 +143,63 @@ static void expect_rates(const hc_sweep *sweep, hc_selection selection) {
   EXPECT_FIELD(sweep->fluid, alpha);
 }
 
-static void error(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
-                  hc_error_total *total) {
+HC_INLINE void find_errors(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
+                           hc_error_total *total, const hc_smoothing *smoothing) {
   expect_rates(sweep, selection);
   const float weight = sweep->volume * sweep->gradient;
   const float per_density = 1.0f / sweep->rest_density;
+  const float smooth = smoothing ? xsph_scale(sweep, smoothing->weight) : 0.0f;
   block_sums rates;
+  block_vectors changes;
+  float errors[BLOCK];
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
-    sum_rates(sweep, selection, first, count, &rates);
+    sum_rates(sweep, selection, first, count, &rates, smoothing ? &changes : NULL);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = hc_selected(selection, first + k);
-      hc_error_apply(sweep, rule, per_density, first + k, i, weight * rates.total[k] + wall_rate_of(sweep, i),
-                     total);
+      const float rate = weight * rates.total[k] + wall_rate_of(sweep, i);
+      errors[k] = hc_error_apply(sweep, rule, per_density, first + k, i, rate);
+      if (!smoothing) continue;
+      float *change = &smoothing->change[3 * (size_t)i];
+      change[0] = smooth * changes.x.total[k];
+      change[1] = smooth * changes.y.total[k];
+      change[2] = smooth * changes.z.total[k];
     }
+    note_errors(rule->signed_error, errors, count, total);
   }
+}
+
+static void error(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
+                  hc_error_total *total) {
+  find_errors(sweep, rule, selection, total, NULL);
+}
+
+static void error_and_xsph(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
+                           hc_error_total *total, const hc_smoothing *smoothing) {
+  expect_ready(sweep->fluid, HC_SCALAR(motion), sweep->fluid, selection);
+  find_errors(sweep, rule, selection, total, smoothing);
 }
 
 static void trial_error(const hc_sweep *sweep, const hc_trial *trial, hc_selection selection,
                         hc_error_total *total, hc_trial_sums *sums) {
   hc_particles *fluid = sweep->fluid;
   expect_rates(sweep, selection);
+  expect_range(selection);
   const float weight = sweep->volume * sweep->gradient;
   const float per_density = 1.0f / sweep->rest_density;
   block_sums rates;
   float errors[BLOCK];
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
-    sum_rates(sweep, selection, first, count, &rates);
+    sum_rates(sweep, selection, first, count, &rates, NULL);
     for (int32_t k = 0; k < count; k++) {
-      const int32_t i = hc_selected(selection, first + k);
+      const int32_t i = first + k;
       const float rate = weight * rates.total[k] + wall_rate_of(sweep, i);
       errors[k] = fluid->density[i] * per_density - 1.0f + trial->dt * rate;
       fluid->place[i].scalar = errors[k];
     }
-    note_errors(trial, errors, count, total);
-    if (sums) note_products(sweep, trial, errors, selection, first, count, sums);
+    note_errors(trial->least < 0.0f, errors, count, total);
+    if (sums) note_products(sweep, trial, errors, first, count, sums);
   }
 }
 
@@ -217,6 +247,7 @@ const hc_sweeps *HC_ISA_SYMBOL(hc_sweeps)(void) {
   static const hc_sweeps sweeps = {.density = density,
                                    .wall_sums = wall_sums,
                                    .error = error,
+                                   .error_and_xsph = error_and_xsph,
                                    .trial_error = trial_error,
                                    .next_trial = next_trial,
                                    .pressure = pressure,

@@ -5,6 +5,10 @@
 #include "error_rule.h"
 #include "pairs.h"
 
+HC_INLINE void expect_range(hc_selection selection) {
+  HC_CHECK(!selection.index, "trials are of particles that stand one behind the other");
+}
+
 /* The nearest integer of a number below 2^51 in size, of halves the even one, in vectors of any kind: the sum
  * has the integer in its last bits. */
 HC_INLINE uint64_t to_integer(double value) {
@@ -16,10 +20,11 @@ HC_INLINE uint64_t to_integer(double value) {
   return bits - zero;
 }
 
-/* Adds a block's errors to a total as hc_error_note does: all at once where all are small. */
-HC_INLINE void note_errors(const hc_trial *trial, const float *errors, int32_t count, hc_error_total *total) {
+/* Adds a block's errors to a total as hc_error_note does, those that are positive or the sizes of all: all at
+ * once where all are small. */
+HC_INLINE void note_errors(bool both_ways, const float *errors, int32_t count, hc_error_total *total) {
   static const float SMALL = 0x1p20f;
-  const float sign = trial->least < 0.0f ? -1.0f : 0.0f;
+  const float sign = both_ways ? -1.0f : 0.0f;
   float most = 0.0f;
   int32_t large = 0;
   uint64_t sum = 0;
@@ -46,13 +51,13 @@ HC_INLINE uint64_t product(float a, float b, double units) {
   return to_integer(below > -MOST ? below : -MOST);
 }
 
-HC_INLINE void note_products(const hc_sweep *sweep, const hc_trial *trial, const float *found,
-                             hc_selection selection, int32_t first, int32_t count, hc_trial_sums *sums) {
+HC_INLINE void note_products(const hc_sweep *sweep, const hc_trial *trial, const float *found, int32_t first,
+                             int32_t count, hc_trial_sums *sums) {
   const double units = 1.0 / trial->unit;
   const float *const alphas = sweep->fluid->alpha;
   float alpha[BLOCK], step[BLOCK], expected[BLOCK];
   for (int32_t k = 0; k < count; k++) {
-    const int32_t i = hc_selected(selection, first + k);
+    const int32_t i = first + k;
     const float y = trial->multiplier[i];
     expected[k] = trial->expected[i];
     step[k] = y - trial->base[i];
@@ -76,18 +81,18 @@ HC_INLINE void note_products(const hc_sweep *sweep, const hc_trial *trial, const
 
 static void next_trial(const hc_sweep *sweep, const hc_trial *trial, const hc_turn *turn,
                        hc_selection selection) {
-  const float *const alpha = sweep->fluid->alpha;
-  hc_record *const place = sweep->fluid->place;
-  const float least = trial->least, relaxation = trial->relaxation;
-  float *const base = trial->base, *const expected = trial->expected;
-  const float *const multiplier = trial->multiplier;
-  for (int32_t row = selection.begin; row < selection.end; row++) {
-    const int32_t i = hc_selected(selection, row);
-    const float found = place[i].scalar, y = multiplier[i], step = y - base[i];
-    const float from = base[i] + turn->reach * step, at = from > least ? from : least;
-    const float error = expected[i] + turn->reach * (found - expected[i]);
-    const float direction = relaxation * alpha[i] * error + turn->turn * step;
-    const float to = at + turn->length * (at > least || error > 0.0f ? direction : 0.0f);
+  expect_range(selection);
+  const float *const restrict alpha = sweep->fluid->alpha, *const restrict multiplier = trial->multiplier;
+  float *const restrict base = trial->base, *const restrict expected = trial->expected;
+  hc_record *const restrict place = sweep->fluid->place;
+  const float least = trial->least, relaxation = trial->relaxation, reach = turn->reach,
+              length = turn->length, again = turn->turn;
+  for (int32_t i = selection.begin; i < selection.end; i++) {
+    const float y = multiplier[i], step = y - base[i];
+    const float from = base[i] + reach * step, at = from > least ? from : least;
+    const float error = expected[i] + reach * (place[i].scalar - expected[i]);
+    const float direction = relaxation * alpha[i] * error + again * step;
+    const float to = at + (at > least || error > 0.0f ? length * direction : 0.0f);
     base[i] = at;
     expected[i] = error;
     place[i].scalar = (to > least ? to : least) - y;

@@ -15,6 +15,7 @@ typedef enum sweep_id {
   WALL_SUMS,
   ERROR,
   ERROR_FROM_RATE,
+  ERROR_AND_XSPH,
   PRESSURE,
   XSPH,
   LAMINAR,
@@ -103,7 +104,10 @@ static hc_error_total run(bench *b, hc_isa isa, sweep_id id, hc_selection select
     sweeps->error(sweep, &rule, selection, &total);
     break;
   case ERROR_FROM_RATE:
-    hc_error_from_rate(sweep, &rule, selection, &total);
+    hc_error_from_rate(sweep, &rule, selection);
+    break;
+  case ERROR_AND_XSPH:
+    sweeps->error_and_xsph(sweep, &rule, selection, &total, &(hc_smoothing){0.05f, b->change});
     break;
   case PRESSURE:
     sweeps->pressure(sweep, 250.0f, b->s.fluid.pressure_multiplier, selection);
@@ -336,7 +340,7 @@ END_TEST
 
 /* The errors of a selection and of the rest add up to those of all. */
 START_TEST(totals_of_selections_add_up) {
-  static const sweep_id ids[] = {ERROR, ERROR_FROM_RATE, PREDICTED_DENSITY, CORRECTED_DENSITY};
+  static const sweep_id ids[] = {ERROR, ERROR_AND_XSPH, PREDICTED_DENSITY, CORRECTED_DENSITY};
   static bench b;
   bench_init(&b);
   for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++)
@@ -414,6 +418,7 @@ static const struct reads {
     [WALL_SUMS] = {0, true},
     [ERROR] = {HC_WHOLE(place) | HC_WHOLE(motion), false},
     [ERROR_FROM_RATE] = {0, false},
+    [ERROR_AND_XSPH] = {HC_WHOLE(place) | HC_WHOLE(motion) | HC_SCALAR(motion), false},
     [PRESSURE] = {HC_WHOLE(place) | HC_SCALAR(place), false},
     [XSPH] = {HC_WHOLE(place) | HC_WHOLE(motion) | HC_SCALAR(motion), false},
     [LAMINAR] = {HC_WHOLE(place) | HC_WHOLE(motion), true},

@@ -432,21 +432,50 @@ START_TEST(errors_follow_from_rates_to_the_bit) {
     const hc_sweeps *sweeps = hc_sweeps_of((hc_isa)isa);
     for (int rule = 0; rule < 2; rule++) {
       set_values(&s);
-      hc_error_total whole, rest;
+      hc_error_total whole;
       memset(&whole, 0, sizeof whole);
-      memset(&rest, 0, sizeof rest);
       sweeps->density(&s.sweep, hc_select_range(0, all));
-      hc_error_from_rate(&s.sweep, &rules[rule], hc_select_range(0, 77), &rest);
-      hc_error_from_rate(&s.sweep, &rules[rule], hc_select_range(77, all), &rest);
+      hc_error_from_rate(&s.sweep, &rules[rule], hc_select_range(0, 77));
+      hc_error_from_rate(&s.sweep, &rules[rule], hc_select_range(77, all));
       for (int32_t i = 0; i < all; i++) kappa[i] = s.fluid.place[i].scalar;
       sweeps->error(&s.sweep, &rules[rule], hc_select_range(0, all), &whole);
       bool good = true;
       for (int32_t i = 0; i < all; i++) good &= kappa[i] == s.fluid.place[i].scalar;
-      ck_assert_msg(good && whole.sum == rest.sum && whole.max == rest.max && whole.max > 0, "%s",
-                    hc_isa_name((hc_isa)isa));
+      ck_assert_msg(good && whole.max > 0, "%s", hc_isa_name((hc_isa)isa));
     }
   }
   hc_free(kappa);
+  setting_free(&s);
+}
+END_TEST
+
+/* Errors and xsph in one sweep are what two find. */
+START_TEST(xsph_along_with_errors) {
+  setting s;
+  make_cloud(&s, 400, 100);
+  const int32_t all = s.fluid.own;
+  float *kappa = hc_alloc((size_t)all, sizeof *kappa), *change[2];
+  for (int k = 0; k < 2; k++) change[k] = hc_alloc_zero(3 * (size_t)all, sizeof **change);
+  for (int isa = HC_ISA_PORTABLE; isa <= (int)hc_isa_best(); isa++) {
+    const hc_sweeps *sweeps = hc_sweeps_of((hc_isa)isa);
+    const hc_smoothing smoothing = {XSPH, change[1]};
+    for (int rule = 0; rule < 2; rule++) {
+      hc_error_total total[2];
+      memset(total, 0, sizeof total);
+      set_values(&s);
+      sweeps->density(&s.sweep, hc_select_range(0, all));
+      sweeps->error(&s.sweep, &rules[rule], hc_select_range(0, all), &total[0]);
+      for (int32_t i = 0; i < all; i++) kappa[i] = s.fluid.place[i].scalar;
+      sweeps->xsph(&s.sweep, XSPH, change[0], hc_select_range(0, all));
+      sweeps->error_and_xsph(&s.sweep, &rules[rule], hc_select_range(0, 77), &total[1], &smoothing);
+      sweeps->error_and_xsph(&s.sweep, &rules[rule], hc_select_range(77, all), &total[1], &smoothing);
+      ck_assert(memcmp(change[0], change[1], 3 * (size_t)all * sizeof **change) == 0);
+      ck_assert(total[0].sum == total[1].sum && total[0].max == total[1].max && total[0].max > 0);
+      for (int32_t i = 0; i < all; i++) ck_assert(kappa[i] == s.fluid.place[i].scalar);
+    }
+  }
+  hc_free(kappa);
+  for (int k = 0; k < 2; k++) hc_free(change[k]);
   setting_free(&s);
 }
 END_TEST
@@ -728,6 +757,7 @@ int main(void) {
   tcase_add_test(cases, eddies_take_no_energy_back);
   tcase_add_test(cases, eddies_of_a_step);
   tcase_add_test(cases, errors_follow_from_rates_to_the_bit);
+  tcase_add_test(cases, xsph_along_with_errors);
   tcase_add_test(cases, error_totals_become_exact_sums);
   tcase_add_test(cases, a_bad_velocity_shows_in_the_total);
   tcase_add_test(cases, kernel_is_the_cubic_spline);
