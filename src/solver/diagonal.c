@@ -26,7 +26,7 @@ static void warm_start(const hc_solve *solve, hc_selection selection) {
 static void predict_part(const hc_solve *solve, bool first, hc_selection part, hc_error_total *total) {
   hc_world *world = solve->world;
   if (first && solve->rates_known)
-    hc_error_from_rate(&world->sweep, &solve->rule, part);
+    world->sweeps->error_from_rate(&world->sweep, &solve->rule, part);
   else if (!first && solve->smoothing)
     world->sweeps->error_and_xsph(&world->sweep, &solve->rule, part, total, solve->smoothing);
   else

@@ -2,14 +2,6 @@
 
 #include <string.h>
 
-void hc_error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection) {
-  const float per_density = 1.0f / sweep->rest_density;
-  for (int32_t row = selection.begin; row < selection.end; row++) {
-    const int32_t i = hc_selected(selection, row);
-    hc_error_apply(sweep, rule, per_density, row, i, sweep->fluid->place[i].scalar);
-  }
-}
-
 hc_sum hc_error_sum(const hc_error_total *total) {
   hc_sum sum;
   memset(&sum, 0, sizeof sum);

@@ -204,7 +204,10 @@ typedef struct hc_sweeps {
   void (*error)(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
                 hc_error_total *total);
 
-  /* The same, and the change by xsph (below) of these velocities with it. */
+  /* The end of it alone, where place.scalar already is dD/dt; nothing is added up. */
+  void (*error_from_rate)(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection);
+
+  /* The same as error, and the change by xsph (below) of these velocities with it. */
   void (*error_and_xsph)(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
                          hc_error_total *total, const hc_smoothing *smoothing);
 

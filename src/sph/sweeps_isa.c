@@ -143,11 +143,36 @@ static void expect_rates(const hc_sweep *sweep, hc_selection selection) {
   EXPECT_FIELD(sweep->fluid, alpha);
 }
 
+/* From dD/dt of a block to errors by the rule, and multipliers. Without branches: nobody could predict them.
+ */
+static void apply_rule(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
+                       int32_t first, int32_t count, const float *rates, float *errors) {
+  hc_particles *fluid = sweep->fluid;
+  const float per_density = 1.0f / sweep->rest_density, least = rule->signed_error ? -INFINITY : 0.0f;
+  float alphas[BLOCK];
+  for (int32_t k = 0; k < count; k++) {
+    const int32_t i = hc_selected(selection, first + k);
+    errors[k] = fluid->density[i] * per_density - 1.0f;
+    alphas[k] = rule->relaxation * fluid->alpha[i];
+  }
+  for (int32_t k = 0; k < count; k++) {
+    const float excess = errors[k], gap = excess < 0.0f ? excess : 0.0f;
+    const float e = rule->of_density * excess + rule->of_rate * rates[k] + rule->of_gap * gap;
+    errors[k] = e < least ? least : e;
+  }
+  for (int32_t k = 0; k < count && rule->min_neighbors > 0; k++) {
+    const int32_t row = hc_row_of(selection, first + k);
+    const bool few = hc_list_count(sweep->list, row) + hc_list_count(sweep->walls, row) < rule->min_neighbors;
+    errors[k] = few ? 0.0f : errors[k];
+  }
+  for (int32_t k = 0; k < count; k++)
+    fluid->place[hc_selected(selection, first + k)].scalar = alphas[k] * errors[k];
+}
+
 HC_INLINE void find_errors(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection,
                            hc_error_total *total, const hc_smoothing *smoothing) {
   expect_rates(sweep, selection);
   const float weight = sweep->volume * sweep->gradient;
-  const float per_density = 1.0f / sweep->rest_density;
   const float smooth = smoothing ? xsph_scale(sweep, smoothing->weight) : 0.0f;
   block_sums rates;
   block_vectors changes;
@@ -157,15 +182,26 @@ HC_INLINE void find_errors(const hc_sweep *sweep, const hc_error_rule *rule, hc_
     sum_rates(sweep, selection, first, count, &rates, smoothing ? &changes : NULL);
     for (int32_t k = 0; k < count; k++) {
       const int32_t i = hc_selected(selection, first + k);
-      const float rate = weight * rates.total[k] + wall_rate_of(sweep, i);
-      errors[k] = hc_error_apply(sweep, rule, per_density, first + k, i, rate);
+      rates.total[k] = weight * rates.total[k] + wall_rate_of(sweep, i);
       if (!smoothing) continue;
       float *change = &smoothing->change[3 * (size_t)i];
       change[0] = smooth * changes.x.total[k];
       change[1] = smooth * changes.y.total[k];
       change[2] = smooth * changes.z.total[k];
     }
+    apply_rule(sweep, rule, selection, first, count, rates.total, errors);
     note_errors(rule->signed_error, errors, count, total);
+  }
+}
+
+static void error_from_rate(const hc_sweep *sweep, const hc_error_rule *rule, hc_selection selection) {
+  EXPECT_FIELD(sweep->fluid, alpha);
+  float rates[BLOCK], errors[BLOCK];
+  for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
+    const int32_t count = block_size(first, selection.end);
+    for (int32_t k = 0; k < count; k++)
+      rates[k] = sweep->fluid->place[hc_selected(selection, first + k)].scalar;
+    apply_rule(sweep, rule, selection, first, count, rates, errors);
   }
 }
 
@@ -193,11 +229,10 @@ static void trial_error(const hc_sweep *sweep, const hc_trial *trial, hc_selecti
     const int32_t count = block_size(first, selection.end);
     sum_rates(sweep, selection, first, count, &rates, NULL);
     for (int32_t k = 0; k < count; k++) {
-      const int32_t i = first + k;
-      const float rate = weight * rates.total[k] + wall_rate_of(sweep, i);
-      errors[k] = fluid->density[i] * per_density - 1.0f + trial->dt * rate;
-      fluid->place[i].scalar = errors[k];
+      const float rate = weight * rates.total[k] + wall_rate_of(sweep, first + k);
+      errors[k] = fluid->density[first + k] * per_density - 1.0f + trial->dt * rate;
     }
+    for (int32_t k = 0; k < count; k++) fluid->place[first + k].scalar = errors[k];
     note_errors(trial->least < 0.0f, errors, count, total);
     if (sums) note_products(sweep, trial, errors, first, count, sums);
   }
@@ -247,6 +282,7 @@ const hc_sweeps *HC_ISA_SYMBOL(hc_sweeps)(void) {
   static const hc_sweeps sweeps = {.density = density,
                                    .wall_sums = wall_sums,
                                    .error = error,
+                                   .error_from_rate = error_from_rate,
                                    .error_and_xsph = error_and_xsph,
                                    .trial_error = trial_error,
                                    .next_trial = next_trial,

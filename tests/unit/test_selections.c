@@ -104,7 +104,7 @@ static hc_error_total run(bench *b, hc_isa isa, sweep_id id, hc_selection select
     sweeps->error(sweep, &rule, selection, &total);
     break;
   case ERROR_FROM_RATE:
-    hc_error_from_rate(sweep, &rule, selection);
+    sweeps->error_from_rate(sweep, &rule, selection);
     break;
   case ERROR_AND_XSPH:
     sweeps->error_and_xsph(sweep, &rule, selection, &total, &(hc_smoothing){0.05f, b->change});

@@ -435,8 +435,8 @@ START_TEST(errors_follow_from_rates_to_the_bit) {
       hc_error_total whole;
       memset(&whole, 0, sizeof whole);
       sweeps->density(&s.sweep, hc_select_range(0, all));
-      hc_error_from_rate(&s.sweep, &rules[rule], hc_select_range(0, 77));
-      hc_error_from_rate(&s.sweep, &rules[rule], hc_select_range(77, all));
+      sweeps->error_from_rate(&s.sweep, &rules[rule], hc_select_range(0, 77));
+      sweeps->error_from_rate(&s.sweep, &rules[rule], hc_select_range(77, all));
       for (int32_t i = 0; i < all; i++) kappa[i] = s.fluid.place[i].scalar;
       sweeps->error(&s.sweep, &rules[rule], hc_select_range(0, all), &whole);
       bool good = true;
