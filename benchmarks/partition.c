@@ -3,7 +3,7 @@
  *
  * A flat heap of bricks of 2^3 cells with a wavy surface, 64 particles in each, a tenth more in every other
  * column, spread over as many ranks as there are parts by slabs. Usage: bench_partition [BRICKS
- * [PARTS]...]; default: 1,000,000 bricks, 64 256 1024 parts */
+ * [PARTS]...]; default: 1,000,000 bricks, 64 256 1024 parts, 64 of them to a host */
 #include "base/check.h"
 #include "base/memory.h"
 #include "base/timer.h"
@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BITS = 1, PARTICLES = 64, LOOKUPS = 1000000 };
+enum { BITS = 1, PARTICLES = 64, LOOKUPS = 1000000, RANKS_A_HOST = 64 };
 
 /* The loads of a heap of about `wanted` bricks, twice as long and wide as high; *count is how many. */
 static hc_load *make_heap(int wanted, int64_t *count) {
@@ -56,12 +56,14 @@ static unsigned cells_beside(int way) {
   return cells;
 }
 
-/* The share of particles that become ghosts: once for each other part that owns a cell beside theirs. */
-static double ghost_share(const hc_bricks *bricks, const int32_t *part) {
+/* The share of particles that become ghosts: once for each other part that owns a cell beside theirs; and of
+ * these the share on other hosts. */
+static double ghost_share(const hc_bricks *bricks, const int32_t *part, const hc_hosts *hosts,
+                          double *leaving) {
   hc_brick_set set;
   hc_brick_set_init(&set);
   for (int32_t k = 0; k < bricks->count; k++) hc_brick_set_add(&set, bricks->brick[k].brick);
-  double ghosts = 0.0, particles = 0.0;
+  double ghosts = 0.0, particles = 0.0, away = 0.0;
   for (int32_t k = 0; k < bricks->count; k++) {
     int32_t seen[HC_ADJACENT];
     unsigned cells[HC_ADJACENT];
@@ -79,11 +81,15 @@ static double ghost_share(const hc_bricks *bricks, const int32_t *part) {
       }
       cells[s] |= cells_beside(way);
     }
-    for (int s = 0; s < count; s++)
-      ghosts += __builtin_popcount(cells[s]) / 8.0 * (double)bricks->brick[k].fluid;
+    for (int s = 0; s < count; s++) {
+      const double copies = __builtin_popcount(cells[s]) / 8.0 * (double)bricks->brick[k].fluid;
+      ghosts += copies;
+      if (hosts->of[seen[s]] != hosts->of[part[k]]) away += copies;
+    }
     particles += (double)bricks->brick[k].fluid;
   }
   hc_brick_set_free(&set);
+  *leaving = away / ghosts;
   return ghosts / particles;
 }
 
@@ -117,10 +123,23 @@ static void measure(hc_load *loads, int64_t count, int parts) {
   const char *way = hc_graph_divide(&graph, parts, part);
   HC_CHECK(way, "METIS failed on %d parts", parts);
   times[3] = hc_seconds();
-  const double ghosts = ghost_share(&bricks, part);
+  hc_hosts hosts;
+  int32_t *host = hc_alloc((size_t)parts, sizeof *host), *group = hc_alloc((size_t)parts, sizeof *group),
+          *other = hc_alloc((size_t)bricks.count, sizeof *other);
+  for (int r = 0; r < parts; r++) host[r] = r / RANKS_A_HOST;
+  hc_hosts_make(&hosts, host, parts);
+  memcpy(other, part, (size_t)bricks.count * sizeof *other);
+  const int64_t moving_anywhere = hc_bricks_renumber(&bricks, parts, &hosts, NULL, other);
+  double leaving, leaving_anywhere;
+  const double ghosts = ghost_share(&bricks, other, &hosts, &leaving_anywhere);
   times[4] = hc_seconds();
-  const int64_t moving = hc_bricks_renumber(&bricks, parts, part);
+  hc_graph_group(&graph, parts, part, &hosts, group);
+  const int64_t moving = hc_bricks_renumber(&bricks, parts, &hosts, group, part);
   const double renumbering = hc_seconds() - times[4];
+  ghost_share(&bricks, part, &hosts, &leaving);
+  hc_free(host);
+  hc_free(group);
+  hc_free(other);
   times[4] = hc_seconds();
   hc_fringe_fill(&map, &bricks, &graph, part);
   hc_graph_free(&graph);
@@ -137,6 +156,10 @@ static void measure(hc_load *loads, int64_t count, int parts) {
          100.0 * (double)moving / particles, map.count, (double)map.count * sizeof *map.intervals / 1024.0,
          (double)map.count * sizeof *map.intervals / bricks.count, 1e9 * lookup_seconds(&map, &bricks),
          (double)hc_memory_peak() / 1048576.0);
+  printf("        %d hosts: %.1f %% of the ghosts leave theirs, %.1f %% where parts are given to any rank "
+         "(moving %.1f %%)\n",
+         hosts.count, 100.0 * leaving, 100.0 * leaving_anywhere, 100.0 * (double)moving_anywhere / particles);
+  hc_hosts_free(&hosts);
   hc_free(part);
   hc_bricks_free(&bricks);
   hc_map_free(&map);

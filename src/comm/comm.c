@@ -89,6 +89,15 @@ int hc_comm_machine_ranks(hc_comm *comm, int group) {
   return count;
 }
 
+int hc_comm_machine_first(hc_comm *comm) {
+  MPI_Comm machine;
+  int first = comm->rank;
+  CHECK_MPI(MPI_Comm_split_type(comm->mpi, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
+  CHECK_MPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, machine));
+  CHECK_MPI(MPI_Comm_free(&machine));
+  return first;
+}
+
 hc_status hc_comm_agree(hc_comm *comm, hc_error *error) {
   int64_t first = error->status == HC_OK ? INT64_MAX : comm->rank;
   hc_comm_min_i64(comm, &first, 1);

@@ -32,6 +32,9 @@ double hc_comm_busy_seconds(const hc_comm *comm);
  * included. Groups are not negative. */
 int hc_comm_machine_ranks(hc_comm *comm, int group);
 
+/* The lowest rank on this rank's machine. */
+int hc_comm_machine_first(hc_comm *comm);
+
 /* The error of the lowest rank that has one (error->status != HC_OK) becomes everybody's; returns its status.
  * This is how a rank tells the others that something of its own failed. */
 hc_status hc_comm_agree(hc_comm *comm, hc_error *error);

@@ -101,43 +101,76 @@ static int by_size(const void *a, const void *b) {
   return by_pair(a, b);
 }
 
-/* The overlaps, largest first; returns how many. */
+/* Adds up overlaps of one pair, and puts the largest first; returns how many are left. */
+static int32_t add_up(overlap *overlaps, int32_t count) {
+  int32_t left = 0;
+  qsort(overlaps, (size_t)count, sizeof *overlaps, by_pair);
+  for (int32_t l = 0; l < count; l++) {
+    if (left > 0 && by_pair(&overlaps[left - 1], &overlaps[l]) == 0)
+      overlaps[left - 1].particles += overlaps[l].particles;
+    else
+      overlaps[left++] = overlaps[l];
+  }
+  qsort(overlaps, (size_t)left, sizeof *overlaps, by_size);
+  return left;
+}
+
 static int32_t find_overlaps(const hc_bricks *bricks, const int32_t *part, overlap *overlaps) {
   for (int32_t k = 0; k < bricks->count; k++)
     for (int32_t l = bricks->brick[k].first; l < bricks->brick[k + 1].first; l++)
       overlaps[l] =
           (overlap){part[k], bricks->load[l].rank, (int64_t)bricks->load[l].fluid + bricks->load[l].boundary};
-  qsort(overlaps, (size_t)bricks->load_count, sizeof *overlaps, by_pair);
-  int32_t count = 0;
-  for (int32_t l = 0; l < bricks->load_count; l++) {
-    if (count > 0 && by_pair(&overlaps[count - 1], &overlaps[l]) == 0)
-      overlaps[count - 1].particles += overlaps[l].particles;
-    else
-      overlaps[count++] = overlaps[l];
-  }
-  qsort(overlaps, (size_t)count, sizeof *overlaps, by_size);
-  return count;
+  return bricks->load_count > 0 ? add_up(overlaps, bricks->load_count) : 0;
 }
 
-int64_t hc_bricks_renumber(const hc_bricks *bricks, int ranks, int32_t *part) {
-  overlap *overlaps = hc_alloc((size_t)bricks->load_count, sizeof *overlaps);
-  const int32_t count = bricks->load_count > 0 ? find_overlaps(bricks, part, overlaps) : 0;
-  int32_t *rank_of = hc_alloc((size_t)ranks, sizeof *rank_of);
-  bool *taken = hc_alloc_zero((size_t)ranks, sizeof *taken);
-  for (int k = 0; k < ranks; k++) rank_of[k] = -1;
-  for (int32_t k = 0; k < count; k++) {
+/* Gives each of `count` parts a rank of the same kind, those with the largest overlaps first. */
+static void match(const overlap *overlaps, int32_t overlap_count, int count, const int32_t *kind_of_part,
+                  const int32_t *kind_of_rank, int32_t *rank_of) {
+  bool *taken = hc_alloc_zero((size_t)count, sizeof *taken);
+  for (int k = 0; k < count; k++) rank_of[k] = -1;
+  for (int32_t k = 0; k < overlap_count; k++) {
     const overlap *next = &overlaps[k];
-    if (rank_of[next->part] >= 0 || taken[next->rank]) continue;
+    if (rank_of[next->part] >= 0 || taken[next->rank] ||
+        (kind_of_part && kind_of_part[next->part] != kind_of_rank[next->rank]))
+      continue;
     rank_of[next->part] = next->rank;
     taken[next->rank] = true;
   }
-  for (int k = 0, free_rank = 0; k < ranks; k++) {
+  for (int k = 0, first = 0; k < count; k++) {
     if (rank_of[k] >= 0) continue;
-    while (taken[free_rank]) free_rank++;
-    rank_of[k] = free_rank++;
+    while (taken[first]) first++;
+    int rank = first;
+    while (kind_of_part && (taken[rank] || kind_of_part[k] != kind_of_rank[rank])) rank++;
+    rank_of[k] = rank;
+    taken[rank] = true;
   }
-  for (int32_t k = 0; k < bricks->count; k++) part[k] = rank_of[part[k]];
   hc_free(taken);
+}
+
+/* The host of each part, groups matched to hosts of their size. */
+static void match_hosts(const overlap *overlaps, int32_t count, int ranks, const hc_hosts *hosts,
+                        const int32_t *group, int32_t *host_of) {
+  overlap *whole = hc_alloc((size_t)count + 1, sizeof *whole);
+  for (int32_t k = 0; k < count; k++)
+    whole[k] = (overlap){group[overlaps[k].part], hosts->of[overlaps[k].rank], overlaps[k].particles};
+  const int32_t left = count > 0 ? add_up(whole, count) : 0;
+  int32_t *host = hc_alloc((size_t)hosts->count, sizeof *host);
+  match(whole, left, hosts->count, hosts->size, hosts->size, host);
+  for (int p = 0; p < ranks; p++) host_of[p] = host[group[p]];
+  hc_free(host);
+  hc_free(whole);
+}
+
+int64_t hc_bricks_renumber(const hc_bricks *bricks, int ranks, const hc_hosts *hosts, const int32_t *group,
+                           int32_t *part) {
+  overlap *overlaps = hc_alloc((size_t)bricks->load_count + 1, sizeof *overlaps);
+  const int32_t count = find_overlaps(bricks, part, overlaps);
+  int32_t *rank_of = hc_alloc((size_t)ranks, sizeof *rank_of),
+          *host_of = group ? hc_alloc((size_t)ranks, sizeof *host_of) : NULL;
+  if (group) match_hosts(overlaps, count, ranks, hosts, group, host_of);
+  match(overlaps, count, ranks, host_of, group ? hosts->of : NULL, rank_of);
+  for (int32_t k = 0; k < bricks->count; k++) part[k] = rank_of[part[k]];
+  hc_free(host_of);
   hc_free(rank_of);
   hc_free(overlaps);
   return hc_bricks_moving(bricks, part);

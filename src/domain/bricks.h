@@ -2,6 +2,7 @@
 #ifndef HC_BRICKS_H
 #define HC_BRICKS_H
 
+#include "hosts.h"
 #include "loads.h"
 
 typedef struct hc_loaded_brick {
@@ -36,9 +37,11 @@ double hc_bricks_imbalance(const hc_bricks *bricks, int parts, const int32_t *pa
 double hc_bricks_imbalance_now(const hc_bricks *bricks, int ranks);
 
 /* Renumbers the parts so that few particles have to move: the largest overlaps of a part with what a rank
- * holds are matched first (at least half of what the best matching saves). Returns how many particles move.
- */
-int64_t hc_bricks_renumber(const hc_bricks *bricks, int ranks, int32_t *part);
+ * holds are matched first (at least half of what the best matching saves). With `group`, the host of each
+ * part as hc_graph_group gives them, parts stay together: groups are first matched to hosts of their size,
+ * then parts to the ranks there; null: any part to any rank. Returns how many particles move. */
+int64_t hc_bricks_renumber(const hc_bricks *bricks, int ranks, const hc_hosts *hosts, const int32_t *group,
+                           int32_t *part);
 
 /* How many particles lie on another rank than their part. */
 int64_t hc_bricks_moving(const hc_bricks *bricks, const int32_t *part);

@@ -7,16 +7,18 @@
 
 #include <stdio.h>
 
-void hc_domain_init(hc_domain *domain, hc_comm *comm, const hc_frame *frame) {
+void hc_domain_init(hc_domain *domain, hc_comm *comm, const hc_frame *frame, int ranks_a_host) {
   int64_t origin[3];
   for (int axis = 0; axis < 3; axis++) origin[axis] = hc_frame_cell(frame->origin[axis]);
   *domain = (hc_domain){.comm = comm, .frame = frame};
+  hc_hosts_find(&domain->hosts, comm, ranks_a_host);
   hc_map_init(&domain->map, origin);
   hc_partners_init(&domain->partners);
 }
 
 void hc_domain_free(hc_domain *domain) {
   hc_map_free(&domain->map);
+  hc_hosts_free(&domain->hosts);
   hc_partners_free(&domain->partners);
 }
 
@@ -48,7 +50,10 @@ static bool divide_by_metis(hc_domain *domain, int bits, hc_load *loads, int64_t
     snprintf(division->way, sizeof division->way, "%s", way);
     division->bricks = bricks.count;
     division->before = hc_bricks_imbalance_now(&bricks, ranks);
-    division->moving = hc_bricks_renumber(&bricks, ranks, part);
+    int32_t *group = hc_alloc((size_t)ranks, sizeof *group);
+    hc_graph_group(&graph, ranks, part, &domain->hosts, group);
+    division->moving = hc_bricks_renumber(&bricks, ranks, &domain->hosts, group, part);
+    hc_free(group);
     division->after = hc_bricks_imbalance(&bricks, ranks, part);
     hc_fringe_fill(map, &bricks, &graph, part);
   }
@@ -67,6 +72,7 @@ static void divide_by_slabs(hc_domain *domain, int bits, hc_load *loads, int64_t
   hc_bricks_init(&bricks, loads, count, domain->map.order);
   int32_t *part = hc_alloc((size_t)bricks.count, sizeof *part);
   hc_bricks_cut(&bricks, ranks, part);
+  for (int32_t k = 0; k < bricks.count; k++) part[k] = domain->hosts.order[part[k]];
   division->divider = HC_DIVIDER_SLABS;
   snprintf(division->way, sizeof division->way, "along %c", "xyz"[axis]);
   division->bricks = bricks.count;

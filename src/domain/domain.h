@@ -2,12 +2,14 @@
  *
  * Slabs: ownership bricks, row by row from the domain's longest axis, are cut into one interval a rank;
  * several ranks may share a layer of bricks. METIS: the graph of occupied bricks is divided so that a cut
- * makes few ghosts, and the parts are written down as intervals in Morton order. Some ranks may own nothing.
+ * makes few ghosts, parts are given to ranks so that few of these leave a host, and are written down as
+ * intervals in Morton order. Some ranks may own nothing.
  * Which it is and where the borders lie never changes what particles do. */
 #ifndef HC_DOMAIN_H
 #define HC_DOMAIN_H
 
 #include "comm/comm.h"
+#include "hosts.h"
 #include "loads.h"
 #include "map.h"
 #include "partners.h"
@@ -18,6 +20,7 @@ typedef struct hc_domain {
   hc_comm *comm;
   const hc_frame *frame;
   hc_map map;
+  hc_hosts hosts;
   int64_t divisions;    /* how often the world has been divided */
   hc_partners partners; /* of one store's particles */
 } hc_domain;
@@ -32,8 +35,8 @@ typedef struct hc_division {
   int32_t bits, intervals;
 } hc_division;
 
-/* Before the first balance rank 0 owns the world. Local. */
-void hc_domain_init(hc_domain *domain, hc_comm *comm, const hc_frame *frame);
+/* Before the first balance rank 0 owns the world. `ranks_a_host`: see hc_hosts_find. Collective. */
+void hc_domain_init(hc_domain *domain, hc_comm *comm, const hc_frame *frame, int ranks_a_host);
 void hc_domain_free(hc_domain *domain);
 
 /* The rank that owns a cell. Local. */

@@ -34,4 +34,10 @@ int64_t hc_graph_edge_cut(const hc_graph *graph, const int32_t *part);
  * k. Returns the name of the way that was kept; null if METIS failed: then `part` means nothing. */
 const char *hc_graph_divide(const hc_graph *graph, int parts, int32_t *part);
 
+/* Groups the parts of a division (part[k] of brick k) by hosts, as many as these have ranks, so that little
+ * is cut between groups: divides the graph of parts by METIS, then moves those that are too many where that
+ * cuts least. */
+void hc_graph_group(const hc_graph *graph, int parts, const int32_t *part, const hc_hosts *hosts,
+                    int32_t *group);
+
 #endif

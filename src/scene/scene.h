@@ -483,6 +483,7 @@ typedef struct hc_scene {
     double rebalance_above; /* imbalance (largest over mean work) that starts a rebalance */
     int rebalance_at;       /* hidden: forces a rebalance at this step; 0 = never */
     int rebalance_every;    /* hidden: forces one whenever so many steps are done; 0 = never */
+    int ranks_per_host;     /* hidden: as if so many shared a host; 0 = as the machines say */
   } parallel;
 
   struct { /* hidden: faults after so many steps, to test what they do; 0 = never */

@@ -114,7 +114,7 @@ void HC_ISA_SYMBOL(hc_predicted_density)(const hc_sweep *sweep, const hc_predict
   expect_ready(fluid, HC_WHOLE(place), fluid, selection);
   expect_walls(sweep);
   block_sums kernels;
-  float share[BLOCK];
+  float share[BLOCK], errors[BLOCK];
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
     sum_kernels(sweep, fluid->place, sweep->list, fluid->place, NULL, selection, first, count, &kernels);
@@ -126,9 +126,10 @@ void HC_ISA_SYMBOL(hc_predicted_density)(const hc_sweep *sweep, const hc_predict
         fluid->density[i] = relative;
         fluid->motion[i].scalar = 1.0f / relative;
       } else {
-        hc_end_prediction(sweep, prediction, i, relative, total);
+        errors[k] = hc_end_prediction(sweep, prediction, i, relative);
       }
     }
+    if (!prediction->shepard) hc_errors_note(false, errors, count, total);
   }
 }
 
@@ -138,7 +139,7 @@ void HC_ISA_SYMBOL(hc_corrected_density)(const hc_sweep *sweep, const hc_predict
   expect_ready(fluid, HC_WHOLE(place) | HC_WHOLE(motion) | HC_SCALAR(motion), fluid, selection);
   expect_walls(sweep);
   block_sums kernels;
-  float share[BLOCK];
+  float share[BLOCK], errors[BLOCK];
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
     sum_kernels(sweep, fluid->place, sweep->list, fluid->place, fluid->motion, selection, first, count,
@@ -148,8 +149,9 @@ void HC_ISA_SYMBOL(hc_corrected_density)(const hc_sweep *sweep, const hc_predict
       const int32_t i = hc_selected(selection, first + k);
       const float own = fluid->density[i];
       const float volumes = sweep->kernel * sweep->volume * (1.0f / own + kernels.total[k]) + share[k];
-      hc_end_prediction(sweep, prediction, i, own / volumes, total);
+      errors[k] = hc_end_prediction(sweep, prediction, i, own / volumes);
     }
+    hc_errors_note(false, errors, count, total);
   }
 }
 

@@ -12,9 +12,10 @@ static inline void hc_raise_pressure(const hc_sweep *sweep, const hc_prediction 
   const float excess = relative - 1.0f;
   if (prediction->leaves > 0.0f && excess > *late) *late += prediction->leaves * (excess - *late);
   if (prediction->stiffness == 0.0f) return;
-  if (*late > excess) *late = excess > 0.0f ? excess : 0.0f;
+  const float above = excess > 0.0f ? excess : 0.0f, least = prediction->negative ? -INFINITY : 0.0f;
+  *late = *late > excess ? above : *late; /* no branches: nobody could predict them */
   const float next = particles->pressure[i] + sweep->rest_density * prediction->stiffness * (excess - *late);
-  particles->pressure[i] = next < 0.0f && !prediction->negative ? 0.0f : next;
+  particles->pressure[i] = next < least ? least : next;
 }
 
 /* p/(rho0 D^2), what eq. 6 weighs the kernel's gradient with; where walls mirror it p/rho0, so that the push
@@ -24,13 +25,14 @@ static inline float hc_pressure_scalar(const hc_sweep *sweep, float pressure, fl
   return pressure / (sweep->rest_density * relative * relative);
 }
 
-static inline void hc_end_prediction(const hc_sweep *sweep, const hc_prediction *prediction, int32_t i,
-                                     float relative, hc_error_total *total) {
+/* Returns the relative error. */
+static inline float hc_end_prediction(const hc_sweep *sweep, const hc_prediction *prediction, int32_t i,
+                                      float relative) {
   hc_particles *fluid = sweep->fluid;
   fluid->density[i] = sweep->rest_density * relative;
   hc_raise_pressure(sweep, prediction, fluid, i, relative);
   fluid->place[i].scalar = hc_pressure_scalar(sweep, fluid->pressure[i], relative);
-  hc_error_note(relative > 1.0f ? relative - 1.0f : relative != relative ? relative : 0.0f, total);
+  return relative - 1.0f;
 }
 
 #endif

@@ -190,7 +190,7 @@ HC_INLINE void find_errors(const hc_sweep *sweep, const hc_error_rule *rule, hc_
       change[2] = smooth * changes.z.total[k];
     }
     apply_rule(sweep, rule, selection, first, count, rates.total, errors);
-    note_errors(rule->signed_error, errors, count, total);
+    hc_errors_note(rule->signed_error, errors, count, total);
   }
 }
 
@@ -233,7 +233,7 @@ static void trial_error(const hc_sweep *sweep, const hc_trial *trial, hc_selecti
       errors[k] = fluid->density[first + k] * per_density - 1.0f + trial->dt * rate;
     }
     for (int32_t k = 0; k < count; k++) fluid->place[first + k].scalar = errors[k];
-    note_errors(trial->least < 0.0f, errors, count, total);
+    hc_errors_note(trial->least < 0.0f, errors, count, total);
     if (sums) note_products(sweep, trial, errors, first, count, sums);
   }
 }

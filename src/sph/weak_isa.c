@@ -12,6 +12,7 @@ void HC_ISA_SYMBOL(hc_weak_density)(const hc_sweep *sweep, const hc_tait *tait, 
   EXPECT_FIELD(fluid, wall_density);
   block_sums kernels;
   block_walls walls;
+  float errors[BLOCK];
   for (int32_t first = selection.begin; first < selection.end; first += BLOCK) {
     const int32_t count = block_size(first, selection.end);
     sum_kernels(sweep, fluid->place, sweep->list, fluid->place, NULL, selection, first, count, &kernels);
@@ -27,8 +28,9 @@ void HC_ISA_SYMBOL(hc_weak_density)(const hc_sweep *sweep, const hc_tait *tait, 
       fluid->density[i] = sweep->rest_density * relative;
       fluid->pressure[i] = sweep->rest_density * pressure;
       fluid->place[i].scalar = hc_tait_push(pressure, relative);
-      hc_error_note(relative > 1.0f ? relative - 1.0f : tait->negative ? 1.0f - relative : 0.0f, total);
+      errors[k] = relative - 1.0f;
     }
+    hc_errors_note(tait->negative, errors, count, total);
   }
 }
 

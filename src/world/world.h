@@ -79,10 +79,11 @@ typedef struct hc_world_settings {
   const hc_boundary_ops *boundary_ops;
   unsigned features; /* HC_FOR_*: of solver, boundary method and movers together */
   hc_isa isa;        /* the same on every rank */
+  int ranks_a_host;  /* see hc_hosts_find */
 } hc_world_settings;
 
 /* An empty world, which must stay where it is; the caller fills the stores' own particles, on any rank, then
- * calls hc_world_distribute. Local. */
+ * calls hc_world_distribute. Collective. */
 void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *settings);
 void hc_world_free(hc_world *world);
 

@@ -147,7 +147,7 @@ def rebalanced(case, steps):
     for ranks in (1, 2, 3, 4, 7):
         for method, first in (("metis", "slabs"), ("slabs", "metis")):
             settings = (*SMALL, f"parallel.rebalance={method}", f"parallel.decomposition={first}",
-                        "parallel.rebalance_every=5", f"parallel.rebalance_at={steps // 2 + 1}")
+                        "parallel.rebalance_every=5", f"parallel.rebalance_at={steps // 2 + 1}", f"parallel.ranks_per_host={ranks // 2}")
             forced = case.run(DAM, f"rebalance_{method}_{ranks}", ranks, settings, ["--steps", steps])
             compare(case, plain, forced)
             lines = rebalances(forced)

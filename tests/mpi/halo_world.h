@@ -59,7 +59,7 @@ static inline void world_init(world *w, const region *region, unsigned kind, int
     w->frame.low[axis] = region->low[axis] * HC_CELL_UNITS;
     w->frame.period[axis] = region->periodic[axis] ? region->cells[axis] * HC_CELL_UNITS : 0;
   }
-  hc_domain_init(&w->domain, &comm, &w->frame);
+  hc_domain_init(&w->domain, &comm, &w->frame, 0);
   hc_particles_init(&w->particles, kind, HC_FOR_ALL);
   hc_cells_init(&w->cells);
   hc_halo_init(&w->halo, &w->domain, &w->particles, tag);

@@ -14,7 +14,7 @@ static hc_particles fluid, boundary;
 
 static void setup(void) {
   memset(&frame, 0, sizeof frame);
-  hc_domain_init(&domain, &comm, &frame);
+  hc_domain_init(&domain, &comm, &frame, 0);
   hc_particles_init(&fluid, HC_FLUID, HC_FOR_ALL);
   hc_particles_init(&boundary, HC_BOUNDARY, HC_FOR_ALL);
 }

@@ -320,7 +320,7 @@ START_TEST(any_graph_can_be_divided) {
       subject_init(&s, edges, parts, size % 2);
       ck_assert_ptr_nonnull(hc_graph_divide(&s.graph, parts, s.part));
       for (int32_t k = 0; k < s.bricks.count; k++) ck_assert(s.part[k] >= 0 && s.part[k] < parts);
-      const int64_t moving = hc_bricks_renumber(&s.bricks, parts, s.part);
+      const int64_t moving = hc_bricks_renumber(&s.bricks, parts, NULL, NULL, s.part);
       for (int32_t k = 0; k < s.bricks.count; k++) ck_assert(s.part[k] >= 0 && s.part[k] < parts);
       ck_assert_int_eq(moving, hc_bricks_moving(&s.bricks, s.part));
       hc_fringe_fill(&s.map, &s.bricks, &s.graph, s.part);
@@ -328,6 +328,71 @@ START_TEST(any_graph_can_be_divided) {
         ck_assert_int_eq(hc_map_owner(&s.map, s.bricks.brick[k].brick), s.part[k]);
       subject_free(&s);
     }
+}
+END_TEST
+
+/* What is cut between parts whose ranks are on different hosts. */
+static int64_t cut_between_hosts(const subject *s, const hc_hosts *hosts) {
+  int32_t *host = hc_alloc((size_t)s->bricks.count, sizeof *host);
+  for (int32_t k = 0; k < s->bricks.count; k++) host[k] = hosts->of[s->part[k]];
+  const int64_t cut = hc_graph_edge_cut(&s->graph, host);
+  hc_free(host);
+  return cut;
+}
+
+/* Parts that neighbour each other come to one host: alike or not, wherever their ranks stand; and stay on it
+ * when the world is divided anew. */
+START_TEST(neighbours_share_hosts) {
+  enum { PARTS = 32 };
+  static const int first[][4] = {{8, 16, 24, 32}, {5, 16, 17, 32}, {1, 2, 3, 32}, {32, 32, 32, 32}};
+  for (int c = 0; c < 8; c++) {
+    int32_t host[PARTS], group[PARTS], of_group[PARTS], members[PARTS] = {0};
+    for (int r = 0; r < PARTS; r++) {
+      host[r] = 0;
+      while (r >= first[c / 2][host[r]]) host[r]++;
+    }
+    for (int r = 0; c % 2 && r < PARTS; r++) { /* scattered */
+      const int other = r * 5 % PARTS;
+      const int32_t kept = host[r];
+      host[r] = host[other];
+      host[other] = kept;
+    }
+    hc_hosts hosts;
+    hc_hosts_make(&hosts, host, PARTS);
+    for (int r = 1; r < PARTS; r++) ck_assert(hosts.of[hosts.order[r - 1]] <= hosts.of[hosts.order[r]]);
+    subject s;
+    subject_init(&s, (const int[3]){24, 16, 12}, PARTS, false);
+    ck_assert_ptr_nonnull(hc_graph_divide(&s.graph, PARTS, s.part));
+    int32_t *anywhere = hc_alloc((size_t)s.bricks.count, sizeof *anywhere), *const part = s.part;
+    memcpy(anywhere, part, (size_t)s.bricks.count * sizeof *anywhere);
+    hc_graph_group(&s.graph, PARTS, s.part, &hosts, group);
+    for (int p = 0; p < PARTS; p++) members[group[p]]++;
+    for (int h = 0; h < hosts.count; h++) ck_assert_int_eq(members[h], hosts.size[h]);
+    for (int p = 0; p < PARTS; p++) of_group[p] = -1;
+    const int64_t moving = hc_bricks_renumber(&s.bricks, PARTS, &hosts, group, s.part);
+    ck_assert_int_eq(moving, hc_bricks_moving(&s.bricks, s.part));
+    int32_t rank_of[PARTS], part_of[PARTS];
+    for (int p = 0; p < PARTS; p++) rank_of[p] = part_of[p] = -1;
+    for (int32_t k = 0; k < s.bricks.count; k++) {
+      const int32_t was = anywhere[k], is = s.part[k], at = hosts.of[is];
+      ck_assert(rank_of[was] < 0 || rank_of[was] == is);
+      ck_assert(part_of[is] < 0 || part_of[is] == was);
+      rank_of[was] = is;
+      part_of[is] = was;
+      ck_assert(of_group[group[was]] < 0 || of_group[group[was]] == at);
+      of_group[group[was]] = at;
+    }
+    const int64_t cut = cut_between_hosts(&s, &hosts);
+    s.part = anywhere;
+    hc_bricks_renumber(&s.bricks, PARTS, NULL, NULL, s.part);
+    const int64_t usual = cut_between_hosts(&s, &hosts);
+    ck_assert_msg(hosts.count == 1 ? cut == 0 && usual == 0 : cut < usual, "case %d: %lld, %lld", c,
+                  (long long)cut, (long long)usual);
+    s.part = part;
+    hc_free(anywhere);
+    hc_hosts_free(&hosts);
+    subject_free(&s);
+  }
 }
 END_TEST
 
@@ -393,7 +458,7 @@ START_TEST(parts_are_numbered_so_that_little_moves) {
     const int64_t least = least_moving(&s.bricks, PARTS, s.part, rank_of, 0);
     int32_t *before = hc_alloc((size_t)s.bricks.count, sizeof *before);
     memcpy(before, s.part, (size_t)s.bricks.count * sizeof *before);
-    const int64_t moving = hc_bricks_renumber(&s.bricks, PARTS, s.part);
+    const int64_t moving = hc_bricks_renumber(&s.bricks, PARTS, NULL, NULL, s.part);
     ck_assert_int_ge(moving, least);
     ck_assert_int_ge(2 * (all - moving), all - least);
     if (round > 10) ck_assert_int_eq(moving, least);
@@ -436,6 +501,7 @@ int main(void) {
   tcase_add_test(tests, the_graph_joins_bricks_that_share_a_face);
   tcase_add_test(tests, walls_far_from_water_are_merged);
   tcase_add_test(tests, any_graph_can_be_divided);
+  tcase_add_test(tests, neighbours_share_hosts);
   tcase_add_test(tests, divisions_are_balanced_and_cut_little);
   tcase_add_test(tests, parts_are_numbered_so_that_little_moves);
   tcase_add_test(tests, the_fringe_goes_with_its_neighbours);
