@@ -1,6 +1,5 @@
-/* The density solve along conjugate directions: multipliers y >= 0 that leave no compression, e = D - 1 + dt
- * dD/dt
- * <= 0, and press only where nothing is left: a linear complementarity problem, whose matrix is symmetric
+/* The density solve along conjugate directions: multipliers y >= 0 that leave no compression, so that e = D -
+ * 1 + dt dD/dt <= 0, and press only where e = 0: a linear complementarity problem, whose matrix is symmetric
  * and whose diagonal is about 1/alpha. Not in the paper.
  *
  * Start: with all of what the steps before have pressed, low-passed (below), everywhere.
@@ -130,7 +129,8 @@ hc_solved hc_solve_conjugate(const hc_solve *solve, double dt, double alpha) {
   predict(&s, false, &result);
   const double before = result.average;
   hc_turn turn = {.reach = 1.0f, .length = FIRST_LENGTH, .turn = 0.0f};
-  memset(s.trial.base, 0, 2 * (size_t)world->fluid->own * sizeof(float)); /* K + (y - K), e_b + (e - e_b) */
+  for (int32_t i = 0; i < world->fluid->own; i++)
+    s.trial.base[i] = s.trial.expected[i] = 0.0f; /* K + (y - K) is y, e_b + (e - e_b) is e */
   while (!result.broken && (result.average > solve->threshold || result.iterations < solve->min)) {
     result.capped = result.iterations >= solve->max;
     if (result.capped) break;

@@ -11,10 +11,13 @@
  * in two seconds of splashing. With the gap rule (not in the paper) it leaves alone the part of a rate that
  * only closes a gap within the step.
  *
- * Warm start: the share `warm_start` of the last step's K, scaled by (dt/dt_before)^2 (k by dt/dt_before) so
- * that the pressure stays the same, where the predicted error is positive. The full share makes a resting
- * column swell. Known weakness: only compression is corrected, so a full closed domain cannot come to rest;
- * fill it 1 % under. */
+ * Solves: as printed (diagonal.c), or the density solve along conjugate directions with a start of its own,
+ * behind which the divergence solve needs no warm start (conjugate.c).
+ *
+ * Warm start, as printed: the share `warm_start` of the last step's K, scaled by (dt/dt_before)^2 (k by
+ * dt/dt_before) so that the pressure stays the same, where the predicted error is positive. The full share
+ * makes a resting column swell. Known weakness: only compression is corrected, so a full closed domain cannot
+ * come to rest; fill it 1 % under. */
 #include "dfsph.h"
 
 #include "iterations.h"
