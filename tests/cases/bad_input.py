@@ -164,6 +164,8 @@ SCENES = {
     "an endless rotation": (changed("{blocks: [{", "{blocks: [{rotation: [0, .inf, 0], "), "rotation[1] must be finite"),
     "negative pressure with emitters": (changed("{blocks", "{emitters: [{disc: {position: [0.2, 0.2, 0.5], direction: [0, 0, -1], radius: 0.1}, speed: 1}], blocks")
                                         + "solver: {negative_pressure: true}\n", "negative_pressure must not be true with fluid.emitters"),
+    "a solve that swells": (added("solver: {gap_rule: false, pressure_solve: fast}"), "4:43",
+                            "solver.pressure_solve must be paper with solver.gap_rule false"),
     "wide ratio": (added("support_ratio: 5"), "4:16", "support_ratio must be in [1.5, 4]"),
     "two supports": (added("support_radius: 0.16\nsupport_ratio: 2"), "4:17", "support_radius must be support_ratio particle_spacing"),
     "wide support": (added("support_radius: 1"), "4:17", "support_radius must be 1.5 to 4 particle_spacing"),
