@@ -114,6 +114,15 @@ static hc_turn next_turn(const hc_trial_sums *sums, double length) {
                    .turn = (float)(turn / length)};
 }
 
+/* The average is below the threshold; and single particles, which a long step along one direction may leave
+ * behind where water meets water, are not far above it, or have had their chance. */
+static bool is_enough(const hc_solve *solve, const hc_solved *result) {
+  static const double SINGLE = 100.0; /* thresholds */
+  static const int CHANCE = 12;       /* iterations */
+  return result->average <= solve->threshold && result->iterations >= solve->min &&
+         (result->max <= SINGLE * solve->threshold || result->iterations >= CHANCE);
+}
+
 hc_solved hc_solve_conjugate(const hc_solve *solve, double dt, double alpha) {
   static const double FINEST = 0x1p-30, SHARE = 0.05, LEAST = 0.02; /* of g/(1 - g); of what pressed */
   hc_world *const world = solve->world;
@@ -131,9 +140,9 @@ hc_solved hc_solve_conjugate(const hc_solve *solve, double dt, double alpha) {
   hc_turn turn = {.reach = 1.0f, .length = FIRST_LENGTH, .turn = 0.0f};
   for (int32_t i = 0; i < world->fluid->own; i++)
     s.trial.base[i] = s.trial.expected[i] = 0.0f; /* K + (y - K) is y, e_b + (e - e_b) is e */
-  while (!result.broken && (result.average > solve->threshold || result.iterations < solve->min)) {
-    result.capped = result.iterations >= solve->max;
-    if (result.capped) break;
+  while (!result.broken && !is_enough(solve, &result)) {
+    result.capped = result.iterations >= solve->max && result.average > solve->threshold;
+    if (result.iterations >= solve->max) break;
     result.broken = !step(&s, &turn);
     predict(&s, true, &result);
     result.iterations++;
