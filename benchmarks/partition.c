@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BITS = 1, PARTICLES = 64, LOOKUPS = 1000000, RANKS_A_HOST = 64 };
+enum { BITS = 1, PARTICLES = 64, LOOKUPS = 1000000, RANKS_PER_HOST = 64 };
 
 /* The loads of a heap of about `wanted` bricks, twice as long and wide as high; *count is how many. */
 static hc_load *make_heap(int wanted, int64_t *count) {
@@ -126,7 +126,7 @@ static void measure(hc_load *loads, int64_t count, int parts) {
   hc_hosts hosts;
   int32_t *host = hc_alloc((size_t)parts, sizeof *host), *group = hc_alloc((size_t)parts, sizeof *group),
           *other = hc_alloc((size_t)bricks.count, sizeof *other);
-  for (int r = 0; r < parts; r++) host[r] = r / RANKS_A_HOST;
+  for (int r = 0; r < parts; r++) host[r] = r / RANKS_PER_HOST;
   hc_hosts_make(&hosts, host, parts);
   memcpy(other, part, (size_t)bricks.count * sizeof *other);
   const int64_t moving_anywhere = hc_bricks_renumber(&bricks, parts, &hosts, NULL, other);

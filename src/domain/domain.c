@@ -7,11 +7,11 @@
 
 #include <stdio.h>
 
-void hc_domain_init(hc_domain *domain, hc_comm *comm, const hc_frame *frame, int ranks_a_host) {
+void hc_domain_init(hc_domain *domain, hc_comm *comm, const hc_frame *frame, int ranks_per_host) {
   int64_t origin[3];
   for (int axis = 0; axis < 3; axis++) origin[axis] = hc_frame_cell(frame->origin[axis]);
   *domain = (hc_domain){.comm = comm, .frame = frame};
-  hc_hosts_find(&domain->hosts, comm, ranks_a_host);
+  hc_hosts_find(&domain->hosts, comm, ranks_per_host);
   hc_map_init(&domain->map, origin);
   hc_partners_init(&domain->partners);
 }

@@ -35,8 +35,8 @@ typedef struct hc_division {
   int32_t bits, intervals;
 } hc_division;
 
-/* Before the first balance rank 0 owns the world. `ranks_a_host`: see hc_hosts_find. Collective. */
-void hc_domain_init(hc_domain *domain, hc_comm *comm, const hc_frame *frame, int ranks_a_host);
+/* Before the first balance rank 0 owns the world. `ranks_per_host`: see hc_hosts_find. Collective. */
+void hc_domain_init(hc_domain *domain, hc_comm *comm, const hc_frame *frame, int ranks_per_host);
 void hc_domain_free(hc_domain *domain);
 
 /* The rank that owns a cell. Local. */

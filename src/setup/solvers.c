@@ -45,6 +45,12 @@ static hc_solver_settings common_settings(const hc_scene *scene) {
   return common;
 }
 
+/* Sum of |grad W|^2 in a full support at rest, 1/m8. */
+static double gradient_square_of(const hc_scene *scene) {
+  const double h = scene->support_radius, h2 = h * h, h4 = h2 * h2;
+  return hc_setup_rest_lattice_gradient(scene->particle_spacing / h) / (h4 * h4);
+}
+
 /* ---- dfsph ---- */
 
 /* Whole corrections bear what those of the paper's support do, 2.154 spacings; wider ones feed back more.
@@ -57,8 +63,6 @@ static double relaxation_of(const hc_scene *scene) {
 }
 
 static hc_solver_settings *dfsph_settings(const hc_scene *scene) {
-  const double h2 = scene->support_radius * scene->support_radius, h4 = h2 * h2;
-  const double ratio = scene->particle_spacing / scene->support_radius;
   hc_dfsph_settings *settings = hc_alloc(1, sizeof *settings);
   *settings = (hc_dfsph_settings){.common = common_settings(scene),
                                   .density_error_avg = scene->solver.density_error_avg,
@@ -70,7 +74,7 @@ static hc_solver_settings *dfsph_settings(const hc_scene *scene) {
                                   .warm_start = scene->solver.warm_start,
                                   .relaxation = relaxation_of(scene),
                                   .fast = scene->solver.pressure_solve == HC_PRESSURE_SOLVE_FAST,
-                                  .gradient_square = hc_setup_rest_lattice_gradient(ratio) / (h4 * h4),
+                                  .gradient_square = gradient_square_of(scene),
                                   .gap_rule = scene->solver.gap_rule && !scene->solver.negative_pressure,
                                   .min_divergence_neighbors = scene->solver.min_divergence_neighbors};
   return &settings->common;
@@ -99,15 +103,14 @@ static void complete_dfsph(hc_scene *scene, bool by_errors, hc_findings *finding
 /* ---- pcisph ---- */
 
 static hc_solver_settings *pcisph_settings(const hc_scene *scene) {
-  const double h = scene->support_radius, ratio = scene->particle_spacing / h;
-  const double h2 = h * h, h4 = h2 * h2;
+  const double ratio = scene->particle_spacing / scene->support_radius;
   hc_pcisph_settings *settings = hc_alloc(1, sizeof *settings);
   *settings = (hc_pcisph_settings){.common = common_settings(scene),
                                    .density_error_avg = scene->solver.density_error_avg,
                                    .density_error_max = hc_scene_density_error_max(scene),
                                    .density_min = scene->solver.density_iterations.min,
                                    .density_max = scene->solver.density_iterations.max,
-                                   .gradient_square = hc_setup_rest_lattice_gradient(ratio) / (h4 * h4),
+                                   .gradient_square = gradient_square_of(scene),
                                    .shepard = scene->solver.density_correction == HC_CORRECTION_SHEPARD,
                                    .release_steps = scene->solver.release_steps,
                                    .friction = scene->boundary.friction,

@@ -260,7 +260,7 @@ hc_status hc_simulation_prepare(hc_simulation *simulation, hc_comm *comm, const 
       .boundary_ops = hc_settings_boundary(scene),
       .features = hc_settings_features(scene),
       .isa = simulation->isa,
-      .ranks_a_host = scene->parallel.ranks_per_host};
+      .ranks_per_host = scene->parallel.ranks_per_host};
   hc_world_init(&simulation->world, comm, &settings);
   if (plan_particles(simulation, error) != HC_OK) hc_simulation_free(simulation);
   return error->status;

@@ -56,7 +56,7 @@ static hc_solved correct_divergence_error(hc_world *world, hc_yield *yield, cons
       .threshold = settings->divergence_error / dt,
       .min = settings->divergence_min,
       .max = settings->divergence_max,
-      .smoothing = smoothing->change ? smoothing : NULL};
+      .smoothing = smoothing};
   return hc_solve_diagonal(&solve);
 }
 
@@ -121,12 +121,13 @@ static hc_status step(hc_world *world, hc_bodies *bodies, const hc_solver_settin
 
   /* correctDivergenceError(alpha, v) */
   hc_stopwatch_enter(&world->watch, HC_STAGE_DIVERGENCE);
-  const hc_smoothing smoothing = hc_find_forces_ahead(world, settings);
-  const hc_solved divergence = correct_divergence_error(world, &yield, own, dt, dt_before, &smoothing);
+  const hc_smoothing ahead = hc_find_forces_ahead(world, settings), *const smoothing =
+                                                                        ahead.change ? &ahead : NULL;
+  const hc_solved divergence = correct_divergence_error(world, &yield, own, dt, dt_before, smoothing);
 
   hc_stopwatch_enter(&world->watch, HC_STAGE_FORCES);
   if (!divergence.broken) {
-    apply_forces(world, settings, dt, &smoothing, report);
+    apply_forces(world, settings, dt, smoothing, report);
     hc_yield_accelerate(&yield);
   }
 

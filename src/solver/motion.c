@@ -62,7 +62,7 @@ static void viscous_change(hc_world *world, const hc_solver_settings *settings, 
 float *hc_find_forces(hc_world *world, const hc_solver_settings *settings, double dt,
                       const hc_smoothing *smoothed, hc_selection selection) {
   float *change = hc_particles_scratch(world->fluid, 3 * sizeof *change);
-  if (!smoothed || !smoothed->change) viscous_change(world, settings, dt, change, selection);
+  if (!smoothed) viscous_change(world, settings, dt, change, selection);
   if (settings->surface_tension > 0.0)
     world->sweeps->cohesion(&world->sweep, (float)(settings->surface_tension * dt), change, selection);
   return change;

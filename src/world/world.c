@@ -34,7 +34,7 @@ void hc_world_init(hc_world *world, hc_comm *comm, const hc_world_settings *sett
   world->contact_limit = settings->contact_limit;
   world->start_limit = settings->start_limit;
   world->boundary_ops = settings->boundary_ops;
-  hc_domain_init(&world->domain, comm, &world->frame, settings->ranks_a_host);
+  hc_domain_init(&world->domain, comm, &world->frame, settings->ranks_per_host);
   init_stores(world, settings->features);
   hc_neighbor_search_init(&world->search, settings->isa);
   hc_neighbors_init(&world->list);

@@ -77,9 +77,9 @@ typedef struct hc_world_settings {
   bool friction_differs, no_slip, compressible; /* see hc_sweep */
   hc_wall_drag drag;
   const hc_boundary_ops *boundary_ops;
-  unsigned features; /* HC_FOR_*: of solver, boundary method and movers together */
-  hc_isa isa;        /* the same on every rank */
-  int ranks_a_host;  /* see hc_hosts_find */
+  unsigned features;  /* HC_FOR_*: of solver, boundary method and movers together */
+  hc_isa isa;         /* the same on every rank */
+  int ranks_per_host; /* see hc_hosts_find */
 } hc_world_settings;
 
 /* An empty world, which must stay where it is; the caller fills the stores' own particles, on any rank, then
